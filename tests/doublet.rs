@@ -1,7 +1,6 @@
 //! Cemented doublets whose shared faces coincide, gap a little or overlap a little render the same.
 
 use eyebox::base::rng::{Rng, Stream};
-use eyebox::bench::{closed, kit, measure};
 use eyebox::estimate::ledger::Ledger;
 use eyebox::estimate::walk::{Met, Travel, Walker};
 use eyebox::film::plan::Estimator;
@@ -10,6 +9,7 @@ use eyebox::world::World;
 use eyebox::world::geometry::Ray;
 use eyebox::world::interior::Interior;
 use eyebox::world::mode::{Mode, Mono};
+use eyebox_bench::{closed, kit, measure};
 use glam::{DAffine3, DVec3};
 use measure::{How, trace};
 

@@ -2,9 +2,6 @@
 //! from the eye bring light, and a seed always has the same scene.
 
 use eyebox::base::stats::Moments;
-use eyebox::bench::curve::picture::Picture;
-use eyebox::bench::curve::race::Ready;
-use eyebox::bench::generate::{Families, Family, scene, scene_of};
 use eyebox::check::finding::{Finding, Level};
 use eyebox::check::geometry::EdgesOfMeshes;
 use eyebox::check::rules::RULES;
@@ -15,6 +12,9 @@ use eyebox::plan::{Choice, plan};
 use eyebox::scene::assembly::Assembly;
 use eyebox::scene::{Part, Scene};
 use eyebox::validate::rules::{Frozen, TRACED};
+use eyebox_bench::curve::picture::Picture;
+use eyebox_bench::curve::race::Ready;
+use eyebox_bench::generate::{Families, Family, scene, scene_of};
 use glam::DVec3;
 use std::path::Path;
 

@@ -4,7 +4,6 @@
 use crate::common::{add_part, block_z, cuboid, face, image_of, mesh, render, worst_z};
 use eyebox::base::path::{Event, Trail};
 use eyebox::base::stats::Moments;
-use eyebox::bench::generate;
 use eyebox::check::check;
 use eyebox::estimate::manifold::solver::newton::{Family, Target, newton, trace};
 use eyebox::estimate::photon::Landing;
@@ -16,6 +15,7 @@ use eyebox::plan::{Asked, Choice, Polarisation, plan};
 use eyebox::scene::{Finish, Scene};
 use eyebox::world::World;
 use eyebox::world::mode::{Mode, Mono};
+use eyebox_bench::generate;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 use std::sync::Arc;

@@ -2,7 +2,6 @@
 
 use crate::common::{add_group, add_part, cuboid, face, lamp, mesh, quad, scene};
 use eyebox::base::ids::{GratingId, MediumId};
-use eyebox::bench::kit;
 use eyebox::estimate::virtual_image::image::distortion;
 use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::scan::edges::Figure;
@@ -12,6 +11,7 @@ use eyebox::plan::scan::table::{csv, edges_csv, ghosts_csv, lines};
 use eyebox::plan::scan::{Line, Position, Scan, ScanAsked, scan};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
 use eyebox::scene::{Absorption, Angular, Dispersion, Emitter, Finish, Grating, Medium, Order, Scene, Shape};
+use eyebox_bench::kit;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::path::Path;
 use std::process::Command;

@@ -1,8 +1,8 @@
 //! The stress suite finds nothing, and finds what is planted.
 
-use eyebox::bench::measure::Measured;
-use eyebox::bench::stress::{Case, Kind, judge, of_measured, run, table};
 use eyebox::scene::{Absorption, Angular, CoatingLaw, Dispersion, Photometry, Scene};
+use eyebox_bench::measure::Measured;
+use eyebox_bench::stress::{Case, Kind, judge, of_measured, run, table};
 use glam::DVec3;
 use std::sync::Arc;
 

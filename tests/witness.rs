@@ -1,7 +1,6 @@
 //! The witness bites: faults are planted into what estimators bring, and it has to say which light is off and which way.
 //! Sound runs it has to leave alone.
 
-use eyebox::bench::generate::{self, Family};
 use eyebox::check::check;
 use eyebox::estimate::run::{Dealt, Films, begin};
 use eyebox::estimate::witness::Witness;
@@ -13,6 +12,7 @@ use eyebox::plan::{Asked, Choice, Polarisation, plan};
 use eyebox::scene::Scene;
 use eyebox::world::World;
 use eyebox::world::mode::Mono;
+use eyebox_bench::generate::{self, Family};
 use std::path::Path;
 
 const SEED: u64 = 5;

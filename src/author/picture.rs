@@ -1,11 +1,11 @@
 //! The files of an assembly's pictures, taken as they are: encoded bytes, what kind they are, and free names for them.
 
-use crate::base::atomic::write_atomic;
-use crate::base::error::Result;
-use crate::base::relative_path::folder_of;
-use crate::base::{Error, Where, package};
-use crate::scene::Texture;
-use crate::scene::texture::{Channel, Encoding, PictureKey, PictureSource, Texels};
+use eyebox_base::atomic::write_atomic;
+use eyebox_base::error::Result;
+use eyebox_base::relative_path::folder_of;
+use eyebox_base::{Error, Where, package};
+use eyebox_scene::Texture;
+use eyebox_scene::texture::{Channel, Encoding, PictureKey, PictureSource, Texels};
 use image::{ColorType, ImageDecoder, ImageReader};
 use std::collections::HashSet;
 use std::io::Cursor;

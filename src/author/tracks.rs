@@ -1,7 +1,7 @@
 //! Which of the frames of a motion must be written: both formats go from one key to the next evenly, numbers one by one,
 //! quaternions along the shorter way, so that what lies on the way between its neighbours need not be.
 
-use crate::scene::motion::{MeshMotion, Motion, Parts, Vertices, kept};
+use eyebox_scene::motion::{MeshMotion, Motion, Parts, Vertices, kept};
 use glam::{DQuat, DVec3};
 
 /// What may be lost by leaving a key out, as a share of the largest number: what single precision rounds.

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::base::error::{Error, Result, Where};
+use crate::error::{Error, Result, Where};
 
 /// Writes `bytes` under a temporary name (`NAME.tmpXXXXXX`) beside `path`, flushes them to disk and renames. A reader
 /// never sees half a file, an existing file stays whole until the new one is complete, and on an error nothing is

@@ -68,7 +68,7 @@ const fn power(h: f64, k: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use crate::rng::{Rng, Stream};
     use std::f64::consts::PI;
 
     /// Over 64 shifts the area of a small disc has no bias and less than a third of the error of independent points.

@@ -113,7 +113,7 @@ fn permute(mut x: u32, seed: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::stats::Moments;
+    use crate::stats::Moments;
 
     fn points(scramble: u64, count: u64) -> Vec<[f64; 8]> {
         let sobol = Sobol::new(5, Stream::Check, scramble);

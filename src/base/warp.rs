@@ -92,7 +92,7 @@ pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use crate::rng::{Rng, Stream};
 
     /// Means of monomials against their closed forms, within 5σ of 2e5 samples.
     #[test]

@@ -10,13 +10,13 @@ use super::curve::cells::Batches;
 use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::generate::{Family, scene_of};
-use crate::base::Result;
-use crate::base::stats::{chi_square_z, normal_tail, sidak_z};
-use crate::estimate::ShouldStop;
-use crate::estimate::run::begin;
-use crate::film::plan::{Estimator, Plan};
-use crate::film::unseen::Doubts;
-use crate::plan::{Choice, plan};
+use eyebox_base::Result;
+use eyebox_base::stats::{chi_square_z, normal_tail, sidak_z};
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::run::begin;
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_film::unseen::Doubts;
+use eyebox_plan::{Choice, plan};
 
 /// Plain sampling takes so many times as long, each of its two pictures.
 const PLAIN: f64 = 4.0;
@@ -168,7 +168,7 @@ fn traced(
         }
     }
     let films = tracing.films();
-    let name = |group: crate::base::ids::GroupId| groups[group.index()].name.clone();
+    let name = |group: eyebox_base::ids::GroupId| groups[group.index()].name.clone();
     let off = films.judgement().map(|judgement| judgement.warnings(&name)).unwrap_or_default();
     (Picture::of_batches(films, size, &mut batches), films.passes, off)
 }

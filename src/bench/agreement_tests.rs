@@ -1,5 +1,5 @@
 use super::*;
-use crate::base::rng::{Rng, Stream};
+use eyebox_base::rng::{Rng, Stream};
 
 fn never() -> bool {
     false

@@ -5,11 +5,11 @@ use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::curve::reference::{Source, references};
 use super::kit;
-use crate::base::stats::Moments;
-use crate::estimate::run::{LEEWAY, begin};
-use crate::film::plan::Estimator;
-use crate::plan::{Choice, plan};
-use crate::scene::Scene;
+use eyebox_base::stats::Moments;
+use eyebox_estimate::run::{LEEWAY, begin};
+use eyebox_film::plan::Estimator;
+use eyebox_plan::{Choice, plan};
+use eyebox_scene::Scene;
 
 const SIZE: [usize; 2] = [24, 18];
 

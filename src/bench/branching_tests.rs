@@ -3,11 +3,11 @@
 use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::{generate, kit};
-use crate::base::stats::Moments;
-use crate::estimate::run::begin;
-use crate::film::plan::{Estimator, Plan};
-use crate::plan::{Asked, Choice, Guides, plan};
-use crate::scene::{Finish, Scene};
+use eyebox_base::stats::Moments;
+use eyebox_estimate::run::begin;
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_plan::{Asked, Choice, Guides, plan};
+use eyebox_scene::{Finish, Scene};
 use glam::{DAffine3, DVec3};
 
 const SIZE: [usize; 2] = [16, 12];

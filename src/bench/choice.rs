@@ -7,11 +7,11 @@ use super::curve::race::{Budget, Ready, race};
 use super::curve::reference::{Source, references};
 use super::curve::{Curve, contenders};
 use super::generate::{Family, scene_of};
-use crate::base::Result;
-use crate::base::stats::normal_tail;
-use crate::estimate::ShouldStop;
-use crate::film::plan::Estimator;
-use crate::plan::Choice;
+use eyebox_base::Result;
+use eyebox_base::stats::normal_tail;
+use eyebox_estimate::ShouldStop;
+use eyebox_film::plan::Estimator;
+use eyebox_plan::Choice;
 
 /// How much slower than the best choice by hand the automatic one may be.
 pub const MOST_RATIO: f64 = 1.3;
@@ -238,9 +238,9 @@ pub fn line(row: &Row) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::curve::Point;
-    use crate::bench::curve::cells::Batches;
-    use crate::bench::curve::picture::Picture;
+    use crate::curve::Point;
+    use crate::curve::cells::Batches;
+    use crate::curve::picture::Picture;
 
     /// An error of `factor`/s after `setup` seconds.
     fn curve(estimator: &'static str, factor: f64, setup_seconds: f64, worst_sigma: f64) -> Curve {

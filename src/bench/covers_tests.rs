@@ -3,11 +3,11 @@
 use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::kit;
-use crate::base::stats::Moments;
-use crate::estimate::run::begin;
-use crate::film::plan::Estimator;
-use crate::plan::{Choice, plan};
-use crate::scene::{Finish, Scene};
+use eyebox_base::stats::Moments;
+use eyebox_estimate::run::begin;
+use eyebox_film::plan::Estimator;
+use eyebox_plan::{Choice, plan};
+use eyebox_scene::{Finish, Scene};
 use glam::{DAffine3, DVec3};
 
 const SIZE: [usize; 2] = [8, 6];
@@ -28,13 +28,13 @@ fn pane(fov_deg: f64) -> Scene {
 }
 
 /// A square of this half-width in the pane's frame; it looks to +Z, towards the eye, or away.
-fn square(scene: &mut Scene, middle: DVec3, half: f64, to_eye: bool, face: crate::scene::Face) {
+fn square(scene: &mut Scene, middle: DVec3, half: f64, to_eye: bool, face: eyebox_scene::Face) {
     let x = if to_eye { DVec3::X } else { DVec3::NEG_X };
     let mesh = kit::mesh(&[kit::quad(middle, x * half, DVec3::Y * half)]);
     kit::add(scene, mesh, DAffine3::from_translation(DVec3::Z * AT), None, vec![face]);
 }
 
-fn matt(reflectance: f64, transmittance: f64) -> crate::scene::Face {
+fn matt(reflectance: f64, transmittance: f64) -> eyebox_scene::Face {
     kit::face(Finish::Lambert { reflectance, transmittance })
 }
 

@@ -2,9 +2,9 @@
 
 use super::curve::race::Ready;
 use super::generate;
-use crate::estimate::run::begin;
-use crate::plan::forecast::forecast;
-use crate::plan::{Choice, plan};
+use eyebox_estimate::run::begin;
+use eyebox_plan::forecast::forecast;
+use eyebox_plan::{Choice, plan};
 
 /// Passes that a run makes until it states 1 %, to a twelfth.
 fn passes_to_one_percent(ready: &Ready<'_>) -> f64 {

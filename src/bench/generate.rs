@@ -13,8 +13,8 @@ mod train; // mirrors in a row
 mod windshield;
 
 use super::kit;
-use crate::base::rng::{Rng, Stream};
-use crate::scene::Scene;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_scene::Scene;
 pub use families::Families;
 pub use samples::{lens, plate};
 
@@ -153,9 +153,9 @@ pub fn scene_of(family: Family, seed: u64) -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::check;
-    use crate::scene::Face;
-    use crate::world::World;
+    use eyebox_check::check;
+    use eyebox_scene::Face;
+    use eyebox_world::World;
 
     #[test]
     fn scenes_are_sound_and_depend_on_the_seed_alone() {

@@ -1,19 +1,19 @@
 //! Tables of where rays from the eye land: as far as a display is seen, not only where it is seen all about a place.
 
 use super::curve::race::Ready;
-use crate::base::stats::{Moments, sidak_z};
-use crate::base::students_t::as_normal;
-use crate::estimate::manifold::eye_table::EyeTable;
-use crate::estimate::manifold::film_grid::FilmGrid;
-use crate::estimate::manifold::receiver::Receivers;
-use crate::estimate::manifold::seeds::bands::Bands;
-use crate::estimate::manifold::vision::Manifold;
-use crate::estimate::ownership::Ownership;
-use crate::film::accumulate::{Film, Sampling};
-use crate::film::plan::Estimator;
-use crate::import::{ImportOptions, import};
-use crate::plan::{Choice, plan};
-use crate::world::mode::{Mode, Mono, components};
+use eyebox_base::stats::{Moments, sidak_z};
+use eyebox_base::students_t::as_normal;
+use eyebox_estimate::manifold::eye_table::EyeTable;
+use eyebox_estimate::manifold::film_grid::FilmGrid;
+use eyebox_estimate::manifold::receiver::Receivers;
+use eyebox_estimate::manifold::seeds::bands::Bands;
+use eyebox_estimate::manifold::vision::Manifold;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_film::accumulate::{Film, Sampling};
+use eyebox_film::plan::Estimator;
+use eyebox_import::{ImportOptions, import};
+use eyebox_plan::{Choice, plan};
+use eyebox_world::mode::{Mode, Mono, components};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ const BLOCKS: [usize; 2] = [8, 4];
 /// slide's edges, which tables cut by the pixel's footprint and followed rays sample.
 #[test]
 fn tables_reach_to_where_the_display_ends() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-diffuse/hud.optics.toml");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples/hud-diffuse/hud.optics.toml");
     let mut scene = import(&path, &ImportOptions::default()).unwrap().scene;
     scene.eye.resolution = SIZE;
     let ready = Ready::new(&scene, 0.0).unwrap();

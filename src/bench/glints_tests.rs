@@ -1,10 +1,10 @@
 //! The pilot finds where a pinhole sees lamps in mirrors, wherever its rays fall.
 
 use super::kit;
-use crate::base::rng::{Rng, Stream};
-use crate::plan::pilots::glint_pilot::{Search, find_by_way};
-use crate::scene::{Finish, Scene};
-use crate::world::World;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_plan::pilots::glint_pilot::{Search, find_by_way};
+use eyebox_scene::{Finish, Scene};
+use eyebox_world::World;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 

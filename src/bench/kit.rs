@@ -1,8 +1,8 @@
 //! Small scenes made in code.
 
-use crate::base::Shared;
-use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId};
-use crate::scene::{
+use eyebox_base::Shared;
+use eyebox_base::ids::{CoatingId, GroupId, MediumId, MeshId};
+use eyebox_scene::{
     Absorption, Angular, Coating, CoatingLaw, Dispersion, Emitter, Eye, Face, FaceRange, FilmLayer, Finish, Group,
     Medium, Mesh, Part, Photometry, Scene, Shape, Sky, Wavelengths,
 };
@@ -35,7 +35,7 @@ pub fn scene(fov_deg: f64, pixels: usize) -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
-            limits: crate::scene::BinocularLimits::default(),
+            limits: eyebox_scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg,
             resolution: [pixels, pixels],

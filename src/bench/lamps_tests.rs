@@ -2,17 +2,17 @@
 
 use super::curve::race::Ready;
 use super::generate;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::seeds::connections::{Connections, index_of};
-use crate::estimate::manifold::solver::newton::Target;
-use crate::estimate::walk::{Meeting, Met, Travel, Walker};
-use crate::plan::{Choice, plan};
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::manifold::seeds::connections::{Connections, index_of};
+use eyebox_estimate::manifold::solver::newton::Target;
+use eyebox_estimate::walk::{Meeting, Met, Travel, Walker};
+use eyebox_plan::{Choice, plan};
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
 use glam::DVec2;
 
 /// Rays of a pixel.

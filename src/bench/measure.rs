@@ -1,13 +1,13 @@
 //! A scene traced to one number, with what its ledger says.
 
-use crate::base::Result;
-use crate::check::check;
-use crate::estimate::run::{Limits, run};
-use crate::film::plan::{Estimator, Spectral};
-use crate::film::rqmc_variance::Evenness;
-use crate::plan::{Asked, Choice, Polarisation, plan};
-use crate::scene::Scene;
-use crate::world::World;
+use eyebox_base::Result;
+use eyebox_check::check;
+use eyebox_estimate::run::{Limits, run};
+use eyebox_film::plan::{Estimator, Spectral};
+use eyebox_film::rqmc_variance::Evenness;
+use eyebox_plan::{Asked, Choice, Polarisation, plan};
+use eyebox_scene::Scene;
+use eyebox_world::World;
 
 /// How a scene is traced.
 #[derive(Debug, Clone, Copy)]

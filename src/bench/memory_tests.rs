@@ -1,14 +1,14 @@
 //! How much memory a pixel of a picture takes, in the samples: one light group beside the sky.
 
-use crate::check::check;
-use crate::estimate::data::data_layers;
-use crate::estimate::picture::{add_data_layers, picture};
-use crate::estimate::run::{Films, Limits, run};
-use crate::film::frame::{Frame, Samples};
-use crate::film::serial::Table;
-use crate::import::{ImportOptions, import};
-use crate::plan::{Choice, plan};
-use crate::world::World;
+use eyebox_check::check;
+use eyebox_estimate::data::data_layers;
+use eyebox_estimate::picture::{add_data_layers, picture};
+use eyebox_estimate::run::{Films, Limits, run};
+use eyebox_film::frame::{Frame, Samples};
+use eyebox_film::serial::Table;
+use eyebox_import::{ImportOptions, import};
+use eyebox_plan::{Choice, plan};
+use eyebox_world::World;
 use std::path::Path;
 
 /// Bytes per pixel that a picture may take, so that one of 3840 × 2160 fits into 3 GiB with the scene.
@@ -40,7 +40,8 @@ fn of_sums(films: &Films) -> Vec<(&'static str, usize)> {
 #[test]
 fn a_pixel_takes_three_hundred_bytes() {
     for name in ["direct", "diffuse"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("samples/hud-{name}/hud.optics.toml"));
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+            .join(format!("samples/hud-{name}/hud.optics.toml"));
         let mut scene = import(&path, &ImportOptions::default()).expect("the sample is sound").scene;
         let size @ [width, height] = [96, 72];
         scene.eye.resolution = size;
@@ -71,9 +72,9 @@ fn a_pixel_takes_three_hundred_bytes() {
 /// Sums that only many pixels tell are kept for as many as tell enough.
 #[test]
 fn turns_do_not_grow_with_the_picture() {
-    use crate::base::ids::GroupId;
-    use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
-    use crate::film::layer::Layer;
+    use eyebox_base::ids::GroupId;
+    use eyebox_film::accumulate::{Components, Film, PlaneKey, Sampling};
+    use eyebox_film::layer::Layer;
     let key = PlaneKey { layer: Layer::Direct, group: GroupId(0), takes: 0 };
     for [width, height] in [[1024, 768], [3840, 2160], [2160, 3840]] {
         let film = Film::new(width, height, vec![key], Components::Luminance, Sampling::PerPass);

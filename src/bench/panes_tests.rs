@@ -2,8 +2,8 @@
 
 use super::kit;
 use super::measure::{How, trace};
-use crate::film::plan::Estimator;
-use crate::scene::{Beacon, BeaconForm, Face, Finish, Scene};
+use eyebox_film::plan::Estimator;
+use eyebox_scene::{Beacon, BeaconForm, Face, Finish, Scene};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 

@@ -5,19 +5,19 @@ use super::curve::race::Ready;
 use super::curve::reference::{Source, references};
 use super::stated::{Run, runs};
 use super::{generate, kit};
-use crate::base::chain::Step;
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::base::stats::Moments;
-use crate::estimate::manifold::seeds::connections::{Connections, index_of};
-use crate::estimate::run::{Limits, begin};
-use crate::film::plan::{Estimator, Plan, Verdict};
-use crate::film::specular_chain::Connection;
-use crate::plan::pilots::{forward, left};
-use crate::plan::selection::Handicap;
-use crate::plan::{Choice, plan, plan_handicapped};
-use crate::scene::{Finish, Scene};
-use crate::world::mode::{Mode, Mono};
+use eyebox_base::chain::Step;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_base::stats::Moments;
+use eyebox_estimate::manifold::seeds::connections::{Connections, index_of};
+use eyebox_estimate::run::{Limits, begin};
+use eyebox_film::plan::{Estimator, Plan, Verdict};
+use eyebox_film::specular_chain::Connection;
+use eyebox_plan::pilots::{forward, left};
+use eyebox_plan::selection::Handicap;
+use eyebox_plan::{Choice, plan, plan_handicapped};
+use eyebox_scene::{Finish, Scene};
+use eyebox_world::mode::{Mode, Mono};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -268,7 +268,7 @@ fn a_mirror_in_plain_sight_is_not_missed() {
     let scene = mirrored();
     let ready = Ready::new(&scene, 0.0).unwrap();
     let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
-    let back = |connection: &&crate::film::specular_chain::Connection| {
+    let back = |connection: &&eyebox_film::specular_chain::Connection| {
         connection.train.0.len() == 1 && connection.train.0[0].link.step == Step::Back
     };
     let share: f64 = plan.connections.iter().filter(back).map(|connection| connection.share).sum();
@@ -280,19 +280,19 @@ fn a_mirror_in_plain_sight_is_not_missed() {
 #[test]
 fn connection_has_the_light_of_every_wavelength() {
     let mut scene = generate::scene(42);
-    scene.wavelengths = crate::scene::Wavelengths::Visible;
+    scene.wavelengths = eyebox_scene::Wavelengths::Visible;
     for medium in &mut scene.media {
-        medium.index = crate::scene::Dispersion::Abbe { n_d: medium.index.index(587.6).re, v_d: 40.0 };
+        medium.index = eyebox_scene::Dispersion::Abbe { n_d: medium.index.index(587.6).re, v_d: 40.0 };
     }
     let ready = Ready::new(&scene, 0.0).unwrap();
     let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
-    assert!(matches!(plan.mode.spectral, crate::film::plan::Spectral::Hero), "lenses disperse");
-    let mut tracing = crate::estimate::run::begin(&ready.world, &plan, 1, scene.eye.resolution, 3);
+    assert!(matches!(plan.mode.spectral, eyebox_film::plan::Spectral::Hero), "lenses disperse");
+    let mut tracing = eyebox_estimate::run::begin(&ready.world, &plan, 1, scene.eye.resolution, 3);
     tracing.step(32);
     let films = tracing.films();
     let blue = |of: &dyn Fn(Estimator) -> bool| -> f64 {
         let own = films.films.iter().filter(|(estimator, ..)| of(*estimator));
-        let sum = |film: &crate::film::accumulate::Film| -> f64 {
+        let sum = |film: &eyebox_film::accumulate::Film| -> f64 {
             let planes = || 0..film.planes.len();
             let pixel =
                 |at| planes().map(|p| film.mean_entries(at, p).nth(2).map_or(0.0, |light| light.value)).sum::<f64>();

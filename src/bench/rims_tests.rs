@@ -3,18 +3,18 @@
 use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::generate;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::manifold::seeds::connections::{Connections, Entry, index_of};
-use crate::estimate::manifold::seeds::edge_sampling::EdgeSampling;
-use crate::estimate::manifold::solver::newton::Target;
-use crate::estimate::run::begin;
-use crate::film::plan::Estimator;
-use crate::plan::{Choice, plan};
-use crate::scene::{FaceRange, Scene};
-use crate::world::World;
-use crate::world::lamp::{Lamp, LampPoint};
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_estimate::manifold::seeds::connections::{Connections, Entry, index_of};
+use eyebox_estimate::manifold::seeds::edge_sampling::EdgeSampling;
+use eyebox_estimate::manifold::solver::newton::Target;
+use eyebox_estimate::run::begin;
+use eyebox_film::plan::Estimator;
+use eyebox_plan::{Choice, plan};
+use eyebox_scene::{FaceRange, Scene};
+use eyebox_world::World;
+use eyebox_world::lamp::{Lamp, LampPoint};
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
 use glam::{DVec2, Vec3};
 
 /// Places in each pixel, and points of the lamp for each.

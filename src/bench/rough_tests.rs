@@ -1,15 +1,15 @@
 //! Rough panes: what the plan's estimators bring together, against rays from the eye alone.
 
 use super::kit;
-use crate::base::stats::{Moments, sidak_z};
-use crate::check::{Checked, check};
-use crate::estimate::run::begin;
-use crate::film::layer::Layer;
-use crate::film::plan::{Estimator, Plan};
-use crate::plan::selection::Handicap;
-use crate::plan::{Choice, plan, plan_handicapped};
-use crate::scene::{Face, Finish, Scene};
-use crate::world::World;
+use eyebox_base::stats::{Moments, sidak_z};
+use eyebox_check::{Checked, check};
+use eyebox_estimate::run::begin;
+use eyebox_film::layer::Layer;
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_plan::selection::Handicap;
+use eyebox_plan::{Choice, plan, plan_handicapped};
+use eyebox_scene::{Face, Finish, Scene};
+use eyebox_world::World;
 use glam::{DAffine3, DVec3};
 
 const SIZE: [usize; 2] = [12, 8];

@@ -2,15 +2,15 @@
 
 use super::curve::race::Ready;
 use super::generate;
-use crate::estimate::manifold::receiver::Receivers;
-use crate::estimate::manifold::seeds::bands::Bands;
-use crate::estimate::manifold::vision::Manifold;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::run::{Films, Start, begin};
-use crate::film::accumulate::{Film, Sampling};
-use crate::film::plan::Estimator;
-use crate::plan::{Choice, plan};
-use crate::world::mode::{Mode, Mono, components};
+use eyebox_estimate::manifold::receiver::Receivers;
+use eyebox_estimate::manifold::seeds::bands::Bands;
+use eyebox_estimate::manifold::vision::Manifold;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::run::{Films, Start, begin};
+use eyebox_film::accumulate::{Film, Sampling};
+use eyebox_film::plan::Estimator;
+use eyebox_plan::{Choice, plan};
+use eyebox_world::mode::{Mode, Mono, components};
 use std::sync::Arc;
 
 /// A diffuser before 26 LEDs.

@@ -7,12 +7,12 @@ use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::curve::reference::references;
 use super::curve::{ReferenceFacts, name};
-use crate::base::Result;
-use crate::estimate::ShouldStop;
-use crate::estimate::run::{Films, LEEWAY, Limits, Observer, Status, run};
-use crate::film::plan::Plan;
-use crate::plan::plan;
-use crate::scene::Scene;
+use eyebox_base::Result;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::run::{Films, LEEWAY, Limits, Observer, Status, run};
+use eyebox_film::plan::Plan;
+use eyebox_plan::plan;
+use eyebox_scene::Scene;
 use std::path::Path;
 use std::time::Duration;
 
@@ -162,11 +162,11 @@ pub fn runs(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::curve::reference::Source;
-    use crate::bench::{generate, kit};
-    use crate::film::plan::Estimator;
-    use crate::plan::Choice;
-    use crate::scene::Finish;
+    use crate::curve::reference::Source;
+    use crate::{generate, kit};
+    use eyebox_film::plan::Estimator;
+    use eyebox_plan::Choice;
+    use eyebox_scene::Finish;
     use glam::DVec3;
 
     /// A matt wall under a large lamp.

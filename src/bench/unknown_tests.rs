@@ -5,10 +5,10 @@ use super::curve::race::Ready;
 use super::curve::reference::{Source, references};
 use super::generate;
 use super::stated::runs;
-use crate::base::stats::Moments;
-use crate::estimate::run::{Limits, begin};
-use crate::film::plan::{Estimator, Plan};
-use crate::plan::{Choice, plan};
+use eyebox_base::stats::Moments;
+use eyebox_estimate::run::{Limits, begin};
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_plan::{Choice, plan};
 
 const SIZE: [usize; 2] = [12, 9];
 

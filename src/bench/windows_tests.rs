@@ -3,10 +3,10 @@
 use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::generate;
-use crate::base::stats::{Moments, sidak_z};
-use crate::estimate::run::begin;
-use crate::film::plan::Plan;
-use crate::plan::{Choice, plan};
+use eyebox_base::stats::{Moments, sidak_z};
+use eyebox_estimate::run::begin;
+use eyebox_film::plan::Plan;
+use eyebox_plan::{Choice, plan};
 
 const SIZE: [usize; 2] = [16, 12];
 /// Blocks of the picture, along and across.

@@ -1,11 +1,11 @@
 //! What the facets of a curved specular face will do to a picture, foretold from the mesh alone.
 
-use crate::base::Where;
-use crate::base::units::ARCMIN;
-use crate::base::weld::{rounding, weld};
-use crate::check::geometry::{corners, triangles};
-use crate::check::subject::{is_mesh, is_specular};
-use crate::scene::{FaceRange, Mesh, Note, Scene};
+use crate::geometry::{corners, triangles};
+use crate::subject::{is_mesh, is_specular};
+use eyebox_base::Where;
+use eyebox_base::units::ARCMIN;
+use eyebox_base::weld::{rounding, weld};
+use eyebox_scene::{FaceRange, Mesh, Note, Scene};
 use glam::DVec3;
 use std::collections::HashMap;
 

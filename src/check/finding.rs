@@ -1,6 +1,6 @@
 //! What validation has to say about an asset.
 
-use crate::base::Where;
+use eyebox_base::Where;
 use std::fmt;
 
 /// How grave a finding is. Errors and warnings make `eyebox validate` exit with 1; notes don't.

@@ -1,8 +1,8 @@
 //! What rules measure on meshes. Indices out of range say nothing; no measure panics.
 
-use crate::base::ids::MeshId;
-use crate::base::weld::{rounding, weld};
-use crate::scene::{FaceRange, Mesh, Scene};
+use eyebox_base::ids::MeshId;
+use eyebox_base::weld::{rounding, weld};
+use eyebox_scene::{FaceRange, Mesh, Scene};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};

@@ -1,6 +1,6 @@
 //! What rules measure on lamps.
 
-use crate::scene::{Emitter, Part, Scene};
+use eyebox_scene::{Emitter, Part, Scene};
 use glam::DVec3;
 
 /// Luminance along the normal of an emitting face, cd/m². None for a face without an area or a profile that is dark

@@ -1,13 +1,13 @@
 //! A validation rule: what it looks for, why that matters, and how it finds it.
 //!
 //! Some faults are found by the importer, which must not go on with them. They say themselves what they are about
-//! ([`Code`](crate::base::Code)), and that names their rule; `tests/validate/` plants every fault into a good asset. The
+//! ([`Code`](eyebox_base::Code)), and that names their rule; `tests/validate/` plants every fault into a good asset. The
 //! others are looked for by `find`.
 
 use super::finding::{Finding, Level};
 use super::subject::Subject;
-use crate::base::Where;
-use crate::scene::Note;
+use eyebox_base::Where;
+use eyebox_scene::Note;
 
 /// A rule of the registry. See [`RULES`](super::rules::RULES).
 #[derive(Debug)]

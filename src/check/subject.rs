@@ -1,10 +1,10 @@
 //! What rules look at.
 
 use super::geometry::EdgesOfMeshes;
-use crate::base::{Code, Error, Where};
-use crate::scene::assembly::Assembly;
-use crate::scene::value::Value;
-use crate::scene::{Face, Finish, Part, Scene, Shape};
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::value::Value;
+use eyebox_scene::{Face, Finish, Part, Scene, Shape};
 use std::path::{Path, PathBuf};
 
 /// An asset as far as it could be read.

@@ -13,8 +13,6 @@ macro_rules! tell {
 
 mod annotate;
 mod bench;
-mod bench_choice;
-mod bench_curve;
 mod chains;
 mod completions;
 mod convert;
@@ -32,18 +30,18 @@ mod mix;
 mod moment;
 mod paths;
 mod plan;
-mod printer;
-mod progress;
+pub mod printer;
+pub mod progress;
 mod rays;
 mod render;
-mod render_args;
+pub mod render_args;
 mod report;
 mod scan;
 mod sensor;
 mod shards;
-mod source;
+pub mod source;
 mod table_file;
-mod threads;
+pub mod threads;
 mod tolerance;
 mod validate;
 mod view;
@@ -111,7 +109,7 @@ enum Command {
     Report(report::ReportArgs),
     /// Check assets by rules, for CI: findings with their lines, in text, JSON, SARIF, JUnit or GitHub's form.
     Validate(validate::ValidateArgs),
-    /// Measure the program: time against error, and answers that are known.
+    /// Measure the program: time against error, and answers that are known. `eyebox-bench` does it.
     Bench(bench::BenchArgs),
     /// Print a script that lets a shell complete `eyebox`.
     Completions(completions::CompletionsArgs),
@@ -129,25 +127,7 @@ pub enum Format {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
-        Err(error) => {
-            // Help and version go to stdout with 0; a usage error is one line on stderr with 2.
-            if error.use_stderr() {
-                say(&Error::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
-            } else {
-                match printer::judged(error.print()) {
-                    Ok(()) => {}
-                    Err(fault) => {
-                        say(&fault);
-                        return ExitCode::from(2);
-                    }
-                }
-            }
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
-        }
-    };
-    let result = match &cli.command {
+    with_arguments(|cli: &Cli| match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Plan(args) => plan::run(args),
@@ -171,8 +151,30 @@ pub fn main() -> ExitCode {
         Command::Report(args) => report::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
+    })
+}
+
+/// Does what the arguments of the process ask for, and says in one line on stderr what is wrong with them or with it.
+pub fn with_arguments<C: Parser>(run: impl FnOnce(&C) -> Result<ExitCode>) -> ExitCode {
+    let cli = match C::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version go to stdout with 0; a usage error is one line on stderr with 2.
+            if error.use_stderr() {
+                say(&Error::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
+            } else {
+                match printer::judged(error.print()) {
+                    Ok(()) => {}
+                    Err(fault) => {
+                        say(&fault);
+                        return ExitCode::from(2);
+                    }
+                }
+            }
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
     };
-    match result {
+    match run(&cli) {
         Ok(code) => code,
         Err(fault) => {
             say(&fault);

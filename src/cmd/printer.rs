@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::io::{ErrorKind, Write};
 
 /// Prints a command's result: text lines, or one JSON [`document`]. Errors: as [`print_text`].
-pub(super) fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> Value) -> Result<()> {
+pub fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> Value) -> Result<()> {
     print_text(match format {
         Format::Text => text(),
         Format::Json => document(json()),
@@ -15,12 +15,12 @@ pub(super) fn print(format: Format, text: impl FnOnce() -> String, json: impl Fn
 }
 
 /// Prints whole lines. Errors: standard output can't be written (a full disk); a closed pipe is none.
-pub(super) fn print_text(out: impl Into<String>) -> Result<()> {
+pub fn print_text(out: impl Into<String>) -> Result<()> {
     write(&mut std::io::stdout().lock(), &out.into())
 }
 
 /// The same with colours where they are wanted: on terminals without `NO_COLOR`.
-pub(super) fn print_coloured(out: impl Into<String>) -> Result<()> {
+pub fn print_coloured(out: impl Into<String>) -> Result<()> {
     write(&mut anstream::stdout().lock(), &out.into())
 }
 
@@ -30,7 +30,7 @@ fn write(to: &mut dyn Write, out: &str) -> Result<()> {
 }
 
 /// What has become of printing.
-pub(super) fn judged(written: std::io::Result<()>) -> Result<()> {
+pub fn judged(written: std::io::Result<()>) -> Result<()> {
     match written {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),

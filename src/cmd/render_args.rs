@@ -26,8 +26,9 @@ use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Passes of a run that is given no limit at all.
+/// The most passes of a run that is given no limit at all, and the relative error at which it ends sooner.
 const DEFAULT_PASSES: u64 = 64;
+const DEFAULT_ERROR: f64 = 0.005;
 
 #[derive(Args, Debug, Clone)]
 #[command(after_help = "Examples:\n  \
@@ -44,7 +45,7 @@ pub struct RenderArgs {
     /// The EXR to write; in hud.####.exr the digits of the frame take the place of #.
     #[arg(short, long, value_name = "OUT.exr")]
     pub output: PathBuf,
-    /// Stop after this many passes (default 64 when no limit is given).
+    /// Stop after this many passes. Without any limit a run ends at a stated error of 0.5 % of the whole picture, or after 64 passes.
     #[arg(long, value_name = "PASSES", value_parser = clap::value_parser!(u64).range(1..))]
     pub samples: Option<u64>,
     /// Stop after this time: 90s, 1.5m, 2h.
@@ -161,6 +162,9 @@ pub struct RenderArgs {
     /// No progress and no summary.
     #[arg(short, long)]
     pub quiet: bool,
+    /// Say who traced what and why, where passes went, and how sharp the picture can be.
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub verbose: bool,
     /// How the summary is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -395,12 +399,19 @@ impl RenderArgs {
         Ok(())
     }
 
+    /// It was not said when to stop.
+    pub fn is_without_limits(&self) -> bool {
+        self.samples.is_none() && self.time.is_none() && self.error.is_none()
+    }
+
     pub fn limits(&self) -> Limits {
-        let none = self.samples.is_none() && self.time.is_none() && self.error.is_none();
+        let none = self.is_without_limits();
         let passes = if none { Some(DEFAULT_PASSES) } else { self.samples };
+        // Shards are pieces of as many passes, whatever their error.
+        let error = if none && self.shard.is_none() { Some(DEFAULT_ERROR) } else { self.error };
         // Shards are of passes of all pixels, and so is what `--samples` asks for. A checkpoint keeps whole passes or later ones.
         let adaptive = self.adaptive == AdaptiveArg::On && passes.is_none();
         let coarse = adaptive && self.time.is_some() && self.checkpoint.is_none() && !self.resume;
-        Limits { passes, time: self.time, error: self.error, adaptive, coarse }
+        Limits { passes, time: self.time, error, adaptive, coarse }
     }
 }

@@ -6,19 +6,19 @@ use super::picture::possible_layers;
 use super::render_vars::{Named, plain};
 use super::series;
 use super::slides::{self, Told};
-use crate::base::lpe::{Alphabet, Letter, Lpe, MOST_SLIDES, Product, Source, Verdict};
-use crate::base::path::{Class, Event};
-use crate::base::{Error, Result, Where};
-use crate::film::aov::Aov;
-use crate::film::cryptomatte::Matte;
-use crate::film::frame::{Channel, Frame, Meta};
-use crate::film::layer::Layer;
-use crate::film::plan::{Estimator, Plan};
-use crate::scene::assembly::RequestedLayer;
-use crate::scene::{Finish, Note, Scene};
-use crate::world::World;
-use crate::world::scatter::Scatter;
-use crate::world::surface::Surface;
+use eyebox_base::lpe::{Alphabet, Letter, Lpe, MOST_SLIDES, Product, Source, Verdict};
+use eyebox_base::path::{Class, Event};
+use eyebox_base::{Error, Result, Where};
+use eyebox_film::aov::Aov;
+use eyebox_film::cryptomatte::Matte;
+use eyebox_film::frame::{Channel, Frame, Meta};
+use eyebox_film::layer::Layer;
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_scene::assembly::RequestedLayer;
+use eyebox_scene::{Finish, Note, Scene};
+use eyebox_world::World;
+use eyebox_world::scatter::Scatter;
+use eyebox_world::surface::Surface;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -279,7 +279,7 @@ impl<'s> Maker<'s> {
 
     /// The layers that hold paths of this class from this group; none if nobody traces them.
     fn layers(&self, group: usize, class: Class) -> Vec<Layer> {
-        let group = crate::base::ids::GroupId::from_index(group);
+        let group = eyebox_base::ids::GroupId::from_index(group);
         let broads = [false, true].into_iter().filter(|broad| !(*broad && class == Class::Vision));
         let of = |broad: bool| {
             let computes = move |e: &Estimator| self.plan.computes(*e, group, class, broad);

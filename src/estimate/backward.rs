@@ -18,22 +18,22 @@ use super::specular_event::Faint;
 use super::vision::{Hints, Vision};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use super::window_visibility::Scattered;
-use crate::base::lpe::Source;
-use crate::base::path::Class;
-use crate::base::rng::Stream;
-use crate::base::warp::Frame;
-use crate::estimate::manifold::seeds::bands::Bands;
-use crate::film::accumulate::{Film, Light};
-use crate::film::unseen::{Doubts, Unseen};
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::lamp::Lamp;
-use crate::world::mode::{Mode, OPTICS_AT_A_TIME, Turns, lanes, plane_of, turns, turns_of};
-use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
-use crate::world::surface::{FaceOptics, Surface};
-use crate::world::wavelengths::SharedLight;
+use crate::manifold::seeds::bands::Bands;
+use eyebox_base::lpe::Source;
+use eyebox_base::path::Class;
+use eyebox_base::rng::Stream;
+use eyebox_base::warp::Frame;
+use eyebox_film::accumulate::{Film, Light};
+use eyebox_film::unseen::{Doubts, Unseen};
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::lamp::Lamp;
+use eyebox_world::mode::{Mode, OPTICS_AT_A_TIME, Turns, lanes, plane_of, turns, turns_of};
+use eyebox_world::optics::Optics;
+use eyebox_world::scatter::Scatter;
+use eyebox_world::surface::{FaceOptics, Surface};
+use eyebox_world::wavelengths::SharedLight;
 use glow::About;
 pub use glow::Glow;
 use next_event::Here;
@@ -136,7 +136,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         self
     }
 
-    /// The same with paths whose branches are followed down to this share of their light ([`Plan::faintest_branch`](crate::film::plan::Plan)).
+    /// The same with paths whose branches are followed down to this share of their light ([`Plan::faintest_branch`](eyebox_film::plan::Plan)).
     #[must_use]
     pub fn branching(self, faintest: f64) -> Self {
         Backward { faintest, ..self }

@@ -2,13 +2,13 @@
 
 use super::data::{End, go_straight, place};
 use super::ledger::Ledger;
-use crate::film::cryptomatte::{self, Matte, MatteBy, NOTHING, POINTS, Ranked, identity, rank};
-use crate::film::frame::Frame;
-use crate::scene::Scene;
-use crate::world::World;
-use crate::world::geometry::Site;
-use crate::world::mode::{Mode, Mono};
-use crate::world::role::{Role, roles};
+use eyebox_film::cryptomatte::{self, Matte, MatteBy, NOTHING, POINTS, Ranked, identity, rank};
+use eyebox_film::frame::Frame;
+use eyebox_scene::Scene;
+use eyebox_world::World;
+use eyebox_world::geometry::Site;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::role::{Role, roles};
 use rayon::prelude::*;
 
 /// The mattes to make: `all`, or those among the names of layers.

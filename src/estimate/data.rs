@@ -7,16 +7,16 @@ use super::ledger::Ledger;
 pub use super::tuning::data::FAR_M;
 use super::tuning::data::{ALIKE, BAND, FEW, MOSTLY, SIDE};
 use super::walk::{Met, Travel, Vertex, Walker};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::Frame;
-use crate::world::World;
-use crate::world::eye::EyeLens;
-use crate::world::geometry::{Hit, Ray};
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
-use crate::world::scatter::Principled;
-use crate::world::surface::Surface;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::Frame;
+use eyebox_world::World;
+use eyebox_world::eye::EyeLens;
+use eyebox_world::geometry::{Hit, Ray};
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
+use eyebox_world::scatter::Principled;
+use eyebox_world::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -232,7 +232,7 @@ fn look((world, optics): (&World, &Optics<Mono>), (origin, dir): (DVec3, DVec3),
 }
 
 /// How a ray from the eye ends that goes straight on at specular faces.
-pub(crate) enum End {
+pub enum End {
     /// In the world behind all parts, with this share of it.
     Outside(f64),
     /// On the last face that was met, which is not specular.
@@ -242,7 +242,7 @@ pub(crate) enum End {
 }
 
 /// Follows one ray and shows every face that it meets.
-pub(crate) fn go_straight(
+pub fn go_straight(
     (world, optics): (&World, &Optics<Mono>),
     (origin, dir): (DVec3, DVec3),
     ledger: &mut Ledger,

@@ -3,13 +3,13 @@
 use super::ledger::Ledger;
 use super::tuning::diffraction_event::MOST_MORE;
 use super::walk::{Meeting, Travel, Vertex, Walker};
-use crate::base::chain::Step;
-use crate::base::lpe::Letter;
-use crate::base::path::Event;
-use crate::world::grating::{Grating, diffract};
-use crate::world::mode::{LaneArray, Mode, lanes};
-use crate::world::stokes::{Amount, Turning};
-use crate::world::surface::Surface;
+use eyebox_base::chain::Step;
+use eyebox_base::lpe::Letter;
+use eyebox_base::path::Event;
+use eyebox_world::grating::{Grating, diffract};
+use eyebox_world::mode::{LaneArray, Mode, lanes};
+use eyebox_world::stokes::{Amount, Turning};
+use eyebox_world::surface::Surface;
 use glam::DVec3;
 
 /// One way on from a grating.

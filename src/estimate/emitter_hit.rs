@@ -2,11 +2,11 @@
 
 use super::throughput::Throughput;
 use super::walk::{Vertex, Walker};
-use crate::film::accumulate::Light;
-use crate::world::World;
-use crate::world::lamp::{Lamp, LampPoint};
-use crate::world::mode::{Mode, lanes};
-use crate::world::optics::Optics;
+use eyebox_film::accumulate::Light;
+use eyebox_world::World;
+use eyebox_world::lamp::{Lamp, LampPoint};
+use eyebox_world::mode::{Mode, lanes};
+use eyebox_world::optics::Optics;
 use glam::{DVec2, DVec3};
 
 /// A lamp that a path from the eye has met.

@@ -6,20 +6,20 @@ use super::picture::{infos, keep_layers};
 use super::render_vars::{self, Named};
 use super::run::Films;
 use super::slides::{self, Told};
-use crate::base::colour::ColourSpace;
-use crate::base::ids::GroupId;
-use crate::base::{Error, Result, Where};
-use crate::film::accumulate::Film;
-use crate::film::aov::Aov;
-use crate::film::crop::Crop;
-use crate::film::diffraction::Diffraction;
-use crate::film::finish::{Finished, GroupInfo, finish_through};
-use crate::film::frame::{Channel, Frame, Meta};
-use crate::film::layer::Layer;
-use crate::film::plan::Plan;
-use crate::film::variance;
-use crate::output::exr::{COMPRESSION, HALF, LAYER_PREFIX, MULTI_PART};
-use crate::scene::Scene;
+use eyebox_base::colour::ColourSpace;
+use eyebox_base::ids::GroupId;
+use eyebox_base::{Error, Result, Where};
+use eyebox_film::accumulate::Film;
+use eyebox_film::aov::Aov;
+use eyebox_film::crop::Crop;
+use eyebox_film::diffraction::Diffraction;
+use eyebox_film::finish::{Finished, GroupInfo, finish_through};
+use eyebox_film::frame::{Channel, Frame, Meta};
+use eyebox_film::layer::Layer;
+use eyebox_film::plan::Plan;
+use eyebox_film::variance;
+use eyebox_output::exr::{COMPRESSION, HALF, LAYER_PREFIX, MULTI_PART};
+use eyebox_scene::Scene;
 use std::collections::HashSet;
 
 /// How films become the frame that is written.
@@ -50,7 +50,7 @@ pub struct Wanted {
     /// Pictures as half floats.
     #[serde(default)]
     pub half: bool,
-    /// The name of a [`Packing`](crate::output::exr::Packing), if another than the usual.
+    /// The name of a [`Packing`](eyebox_output::exr::Packing), if another than the usual.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compression: Option<String>,
     /// The part of the picture that is traced and written; all of it without one.

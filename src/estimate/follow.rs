@@ -4,10 +4,10 @@ use super::emitter_hit::EmitterHit;
 use super::ledger::Ledger;
 use super::specular_event::Branch;
 use super::walk::{Meeting, Met, Vertex, Walker};
-use crate::base::chain::{Chain, Link, Step};
-use crate::world::eye::Arrival;
-use crate::world::mode::Mode;
-use crate::world::surface::Surface;
+use eyebox_base::chain::{Chain, Link, Step};
+use eyebox_world::eye::Arrival;
+use eyebox_world::mode::Mode;
+use eyebox_world::surface::Surface;
 
 impl<'w, M: Mode> Walker<'w, M> {
     /// Keeps the specular faces that the path meets from now on.

@@ -2,7 +2,7 @@
 //! as the pupil makes it. Elsewhere in the picture the ray through the middle of pixel and pupil stands for all of them,
 //! since what is linear in both is exact there.
 
-use crate::world::eye::EyeLens;
+use eyebox_world::eye::EyeLens;
 
 /// Radius, in pixels, of the disc that a point at a distance of `z_m` along the viewing axis is blurred into:
 /// r·|1/z − 1/focus| in tangents.

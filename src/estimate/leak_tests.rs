@@ -2,12 +2,12 @@
 
 use super::ledger::Ledger;
 use super::run::{Films, Limits, run};
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::film::plan::{Estimator, PathMode, Plan, Radii, Row, Verdict};
-use crate::scene::{Absorption, Dispersion, Finish, Group, Medium, Scene, Sky};
-use crate::world::geometry::scenes;
-use crate::world::{Planted, World};
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_film::plan::{Estimator, PathMode, Plan, Radii, Row, Verdict};
+use eyebox_scene::{Absorption, Dispersion, Finish, Group, Medium, Scene, Sky};
+use eyebox_world::geometry::scenes;
+use eyebox_world::{Planted, World};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The energy ledger: every emitted lumen (lamp side) or unit of importance (eye side), event by event. No entry is a
 //! remainder; each is counted where it happens, so the balance is a test.
 
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 
 /// What the steps of tracing cost, in sixteenths of a ray: a fixed table, so that counted work is the same on any machine.
 ///

@@ -2,8 +2,8 @@
 
 use super::ledger::Ledger;
 use super::walk::{Vertex, Walker};
-use crate::world::interior::{Interior, outranks};
-use crate::world::mode::{Mode, lanes};
+use eyebox_world::interior::{Interior, outranks};
+use eyebox_world::mode::{Mode, lanes};
 
 impl<'w, M: Mode> Walker<'w, M> {
     /// Refractive index where the path is now.

@@ -3,12 +3,12 @@
 
 use super::data::go_straight;
 use super::ledger::Ledger;
-use crate::base::error::Result;
-use crate::scene::{Mesh, Scene};
-use crate::world::World;
-use crate::world::eye::EyeLens;
-use crate::world::geometry::Hit;
-use crate::world::mode::{Mode, Mono};
+use eyebox_base::error::Result;
+use eyebox_scene::{Mesh, Scene};
+use eyebox_world::World;
+use eyebox_world::eye::EyeLens;
+use eyebox_world::geometry::Hit;
+use eyebox_world::mode::{Mode, Mono};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -80,7 +80,7 @@ fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> Option<[f64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::{ImportOptions, ReadOptions, import};
+    use eyebox_import::{ImportOptions, ReadOptions, import};
 
     /// A plate 10 m before an eye that has 10 pixels per metre there, in front of an even sky.
     fn moved(eye: &str, plate: &str, points: &str) -> [Vec<f32>; 2] {

@@ -3,12 +3,12 @@
 use super::ledger::Ledger;
 use super::specular_event::Branch;
 use super::walk::{Meeting, Travel, Vertex, Walker};
-use crate::base::chain::Step;
+use eyebox_base::chain::Step;
 #[cfg(test)]
-use crate::world::Planted;
-use crate::world::geometry::Ray;
-use crate::world::mode::Mode;
-use crate::world::surface::Surface;
+use eyebox_world::Planted;
+use eyebox_world::geometry::Ray;
+use eyebox_world::mode::Mode;
+use eyebox_world::surface::Surface;
 use glam::DVec3;
 
 impl<'w, M: Mode> Walker<'w, M> {

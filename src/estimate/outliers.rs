@@ -2,7 +2,7 @@
 
 use super::run::Films;
 use super::tuning::outliers::{OF_MAPS, SIGMA, TOGETHER};
-use crate::base::stats::Moments;
+use eyebox_base::stats::Moments;
 use std::path::Path;
 
 /// Light of one plane of a shard, summed over the picture: its mean over passes and what its variance should be.

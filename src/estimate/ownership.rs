@@ -1,10 +1,10 @@
 //! Where an estimator puts the light of a path: the plan's ownership as a table.
 
-use crate::base::ids::GroupId;
-use crate::base::lpe::{LpeState, Product, Source, Takes};
-use crate::base::path::{Class, Event, Trail};
-use crate::film::accumulate::PlaneKey;
-use crate::film::plan::{Estimator, Plan, Verdict};
+use eyebox_base::ids::GroupId;
+use eyebox_base::lpe::{LpeState, Product, Source, Takes};
+use eyebox_base::path::{Class, Event, Trail};
+use eyebox_film::accumulate::PlaneKey;
+use eyebox_film::plan::{Estimator, Plan, Verdict};
 use std::sync::Arc;
 
 /// The planes that one estimator fills, and which path goes where.

@@ -6,14 +6,14 @@ mod tuning;
 
 use super::throughput::{KeptPolarisation, Throughput};
 use super::walk::{Vertex, Walker};
-use crate::base::ids::GroupId;
-use crate::base::lpe::LpeState;
-use crate::base::path::Trail;
-use crate::estimate::manifold::receiver::Claim;
-use crate::film::accumulate::Light;
-use crate::world::geometry::Site;
-use crate::world::mode::Mode;
-use crate::world::stokes::Facets;
+use crate::manifold::receiver::Claim;
+use eyebox_base::ids::GroupId;
+use eyebox_base::lpe::LpeState;
+use eyebox_base::path::Trail;
+use eyebox_film::accumulate::Light;
+use eyebox_world::geometry::Site;
+use eyebox_world::mode::Mode;
+use eyebox_world::stokes::Facets;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -219,10 +219,10 @@ fn bucket(cell: [i64; 3], buckets: usize) -> usize {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::base::path::Event;
-    use crate::base::rng::{Rng, Stream};
-    use crate::base::stats::Moments;
-    use crate::world::mode::Mono;
+    use eyebox_base::path::Event;
+    use eyebox_base::rng::{Rng, Stream};
+    use eyebox_base::stats::Moments;
+    use eyebox_world::mode::Mono;
 
     /// A lumen that came over a specular face.
     pub fn photon(position: DVec3, face: u32) -> Photon<Mono> {

@@ -4,17 +4,17 @@ use super::data::{Data, SeenLooks, SeenPixels};
 use super::finishing::Finishing;
 use super::run::{Films, Outcome, Stop};
 use super::slides;
-use crate::base::colour::ColourSpace;
-use crate::base::{Error, Result, Where};
-use crate::film::cryptomatte::Matte;
-use crate::film::diffraction::Diffraction;
-use crate::film::finish::{Finished, GroupInfo, Split};
-use crate::film::frame::{Channel, Frame, Meta, Samples};
-use crate::film::names;
-use crate::film::plan::{Plan, Spectral, Verdict};
-use crate::film::sharpness::Sharpness;
-use crate::film::witness::Judgement;
-use crate::scene::{Group, Scene, Spectrum, Wavelengths};
+use eyebox_base::colour::ColourSpace;
+use eyebox_base::{Error, Result, Where};
+use eyebox_film::cryptomatte::Matte;
+use eyebox_film::diffraction::Diffraction;
+use eyebox_film::finish::{Finished, GroupInfo, Split};
+use eyebox_film::frame::{Channel, Frame, Meta, Samples};
+use eyebox_film::names;
+use eyebox_film::plan::{Plan, Spectral, Verdict};
+use eyebox_film::sharpness::Sharpness;
+use eyebox_film::witness::Judgement;
+use eyebox_scene::{Group, Scene, Spectrum, Wavelengths};
 use std::collections::BTreeSet;
 
 /// The picture layers of a run. `direct`, `caustic` and `forward` are always there; `secondary` only if there is any.

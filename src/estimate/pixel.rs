@@ -2,10 +2,10 @@
 //! from point to point. Edges then converge faster than with independent points, and passes differ by less than their
 //! variance says.
 
-use crate::base::lattice::lattice;
-use crate::base::rng::{Rng, Stream};
-use crate::world::eye::EyeLens;
-use crate::world::geometry::Ray;
+use eyebox_base::lattice::lattice;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_world::eye::EyeLens;
+use eyebox_world::geometry::Ray;
 
 /// Which pixel in which pass.
 #[derive(Debug, Clone, Copy)]

@@ -1,10 +1,10 @@
 //! The layers that an asset asks for (USD RenderVars), in terms of ours.
 
 use super::picture::possible_layers;
-use crate::film::cryptomatte::Matte;
-use crate::film::frame::{Channel, Frame};
-use crate::scene::assembly::RequestedLayer;
-use crate::scene::{Group, Note};
+use eyebox_film::cryptomatte::Matte;
+use eyebox_film::frame::{Channel, Frame};
+use eyebox_scene::assembly::RequestedLayer;
+use eyebox_scene::{Group, Note};
 
 /// One of our layers, and the name that it is written under.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -93,7 +93,7 @@ pub fn rename(frame: &mut Frame, named: &[Named], else_asked: bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::Where;
+    use eyebox_base::Where;
 
     fn wish(source: &str, expression: bool, name: &str) -> RequestedLayer {
         RequestedLayer { source: source.into(), expression, name: name.into(), at: Where::Nowhere }

@@ -2,8 +2,8 @@
 //! what comes over a second scatterer converges nearly as edges do.
 
 use super::pixel::Pixel;
-use crate::base::rng::{Rng, Stream};
-use crate::base::sobol::Sobol;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::sobol::Sobol;
 
 /// Triples for the first decisions of a path.
 pub struct Rqmc([[f64; 3]; 2]);

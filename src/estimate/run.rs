@@ -10,14 +10,14 @@ mod outlook;
 mod tuning;
 
 use super::ledger::Ledger;
-use crate::base::memory::give_back;
-use crate::base::stats::{beyond_noise, variance_ratio};
-use crate::film::accumulate::{Film, Saved};
-use crate::film::guide::ApertureGuide;
-use crate::film::plan::Estimator;
-use crate::film::witness::{Judgement, Witness, judge};
 pub use drive::{drive, run};
 pub use engines::{begin, begin_trial};
+use eyebox_base::memory::give_back;
+use eyebox_base::stats::{beyond_noise, variance_ratio};
+use eyebox_film::accumulate::{Film, Saved};
+use eyebox_film::guide::ApertureGuide;
+use eyebox_film::plan::Estimator;
+use eyebox_film::witness::{Judgement, Witness, judge};
 pub use outlook::HoldUp;
 use rayon::prelude::*;
 use std::time::Duration;
@@ -151,7 +151,7 @@ impl Films {
         Some((noise / beyond_noise(noise, seen)?).sqrt())
     }
 
-    /// Of the picture's light, what rays from the eye have missed at the most, a quarter of it: see [`crate::film::unseen`].
+    /// Of the picture's light, what rays from the eye have missed at the most, a quarter of it: see [`eyebox_film::unseen`].
     fn missed(&self, sums: &Noise) -> f64 {
         let most = self.films.iter().map(|(_, film, _)| film.missed()).sum::<f64>();
         if most > 0.0 { most / sums.light } else { 0.0 }

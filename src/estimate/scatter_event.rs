@@ -2,12 +2,12 @@
 
 use super::ledger::Ledger;
 use super::walk::{Meeting, Vertex, Walker};
-use crate::base::lpe::Letter;
-use crate::base::path::Event;
-use crate::base::warp::Frame;
-use crate::world::mode::{Mode, lanes};
-use crate::world::scatter::{Look, Point, Principled, Scatter, Sides};
-use crate::world::stokes::{Amount, Facets};
+use eyebox_base::lpe::Letter;
+use eyebox_base::path::Event;
+use eyebox_base::warp::Frame;
+use eyebox_world::mode::{Mode, lanes};
+use eyebox_world::scatter::{Look, Point, Principled, Scatter, Sides};
+use eyebox_world::stokes::{Amount, Facets};
 use glam::DVec3;
 
 /// Refractive indices on both sides of a face that scatters, or what an ordinary material is there.

@@ -8,12 +8,12 @@ mod tuning;
 pub use arrivals::Forward;
 pub use backward::Backward;
 
-use crate::base::ids::GroupId;
-use crate::film::accumulate::Light;
-use crate::film::plan::Spectral;
-use crate::world::mode::{LaneArray, Mode, components};
-use crate::world::optics::Optics;
-use crate::world::sensor::Side;
+use eyebox_base::ids::GroupId;
+use eyebox_film::accumulate::Light;
+use eyebox_film::plan::Spectral;
+use eyebox_world::mode::{LaneArray, Mode, components};
+use eyebox_world::optics::Optics;
+use eyebox_world::sensor::Side;
 use tuning::sensor::{FEWEST, PER_PIXEL};
 
 /// Flux that one path brought to a pixel.

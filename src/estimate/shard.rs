@@ -1,18 +1,18 @@
 //! Shards: runs of disjoint ranges of passes under one plan, and the run that they are together.
 //!
-//! Randomness is a function of the pass, and sums are carried in two doubles ([`crate::base::double_double`]): shards in any
+//! Randomness is a function of the pass, and sums are carried in two doubles ([`eyebox_base::double_double`]): shards in any
 //! number and order add up to the bits of the run that made all passes itself.
 
 use super::finishing::{Finishing, Wanted};
 use super::ledger::{Books, Ledger};
 use super::run::{Dealt, Films};
 use super::tuning::shard::MOST_PASSES;
-use crate::base::{Error, Result, Where};
-use crate::film::accumulate::Film;
-use crate::film::frame::{Channel, Frame};
-use crate::film::plan::Estimator;
-use crate::film::witness::Witness;
-use crate::output::shard::{Shard, read_shard, write_shard};
+use eyebox_base::{Error, Result, Where};
+use eyebox_film::accumulate::Film;
+use eyebox_film::frame::{Channel, Frame};
+use eyebox_film::plan::Estimator;
+use eyebox_film::witness::Witness;
+use eyebox_output::shard::{Shard, read_shard, write_shard};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

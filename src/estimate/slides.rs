@@ -2,11 +2,11 @@
 
 use super::render_vars::plain;
 use super::series::Once;
-use crate::base::ids::GroupId;
-use crate::base::lpe::MOST_SLIDES;
-use crate::film::finish::slides::{BySlide, Shows, SlideInfo};
-use crate::film::names;
-use crate::scene::{Scene, Slide};
+use eyebox_base::ids::GroupId;
+use eyebox_base::lpe::MOST_SLIDES;
+use eyebox_film::finish::slides::{BySlide, Shows, SlideInfo};
+use eyebox_film::names;
+use eyebox_scene::{Scene, Slide};
 
 /// The contrast of all slides, if there are any and it is the same for all.
 pub fn common_contrast(scene: &Scene) -> Option<f64> {

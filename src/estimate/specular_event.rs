@@ -3,16 +3,16 @@
 
 use super::ledger::Ledger;
 use super::walk::{Meeting, Travel, Vertex, Walker};
-use crate::base::chain::Step;
-use crate::base::lpe::Letter;
-use crate::base::path::Event;
+use eyebox_base::chain::Step;
+use eyebox_base::lpe::Letter;
+use eyebox_base::path::Event;
 #[cfg(test)]
-use crate::world::Planted;
-use crate::world::fresnel::{reflect, refract};
-use crate::world::mode::{LaneArray, Mode, lanes};
-use crate::world::sheet::{Incidence, ReflectivePolariser, Sheet};
-use crate::world::stokes::{Amount, Parted, Turning};
-use crate::world::surface::{Mirror, Surface};
+use eyebox_world::Planted;
+use eyebox_world::fresnel::{reflect, refract};
+use eyebox_world::mode::{LaneArray, Mode, lanes};
+use eyebox_world::sheet::{Incidence, ReflectivePolariser, Sheet};
+use eyebox_world::stokes::{Amount, Parted, Turning};
+use eyebox_world::surface::{Mirror, Surface};
 use glam::DVec3;
 
 /// One of the ways on from a specular face.

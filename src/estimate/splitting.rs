@@ -1,7 +1,7 @@
 //! Following a lamp's path both ways from an interface, within limits.
 
 use super::walk::Walker;
-use crate::world::mode::Mode;
+use eyebox_world::mode::Mode;
 use std::cell::Cell;
 
 /// Which interfaces split a path, for [`Visitor::split_from`](super::emission::Visitor::split_from).

@@ -1,11 +1,11 @@
 //! What a path carries. The only thing that estimators do with it is to scale it and to ask for its light: how many
 //! wavelengths there are, and whether they are polarised, is known here and in the vertex step alone.
 
-use crate::film::accumulate::Light;
-use crate::world::mode::{Mode, lanes};
-use crate::world::optics::Optics;
-use crate::world::slide::SlideMap;
-use crate::world::stokes::{Amount, Facets};
+use eyebox_film::accumulate::Light;
+use eyebox_world::mode::{Mode, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::slide::SlideMap;
+use eyebox_world::stokes::{Amount, Facets};
 use glam::DVec3;
 
 type Axis<M> = <<M as Mode>::Amount as Amount>::Axis;

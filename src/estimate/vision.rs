@@ -17,26 +17,26 @@ use super::pixel::Pixel;
 use super::tuning::over_pixel::PASSES_LOOKED_AT;
 use super::tuning::vision::{FEWEST_OF_A_GLINT, PATHS, PATHS_OF_A_GLINT, SPLIT_FROM, WORTH};
 use super::walk::{Meeting, Met as Ahead, Travel, Vertex, Walker};
-use crate::base::lpe::Source;
-use crate::base::path::{Event, Trail};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::{disk, disk_inverse};
-use crate::estimate::manifold::seeds::bands::Bands;
-use crate::estimate::manifold::solver::newton::Target;
-use crate::film::accumulate::Light;
-use crate::film::glint::Glint;
-use crate::film::guide::{ApertureGuide, Portals};
-use crate::film::plan::Plan;
-use crate::film::unseen::Doubts;
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::lamp::Lamp;
-use crate::world::mode::{Mode, plane_of, turns, wavelengths_change};
-use crate::world::optics::Optics;
-use crate::world::slide::footprint::MOST as MOST_SLIDES;
-use crate::world::surface::Surface;
+use crate::manifold::seeds::bands::Bands;
+use crate::manifold::solver::newton::Target;
 use arrayvec::ArrayVec;
+use eyebox_base::lpe::Source;
+use eyebox_base::path::{Event, Trail};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::{disk, disk_inverse};
+use eyebox_film::accumulate::Light;
+use eyebox_film::glint::Glint;
+use eyebox_film::guide::{ApertureGuide, Portals};
+use eyebox_film::plan::Plan;
+use eyebox_film::unseen::Doubts;
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::lamp::Lamp;
+use eyebox_world::mode::{Mode, plane_of, turns, wavelengths_change};
+use eyebox_world::optics::Optics;
+use eyebox_world::slide::footprint::MOST as MOST_SLIDES;
+use eyebox_world::surface::Surface;
 use glam::{DVec2, DVec3};
 pub use glints::is_looked_about;
 use over_pixel::PixelFootprints;
@@ -258,7 +258,7 @@ impl<'w, M: Mode> Vision<'w, M> {
         }
     }
 
-    /// A place in the pupil for two numbers from 0 to 1, as [`ray`](crate::world::eye::EyeLens::ray) takes it, and its density relative to chance.
+    /// A place in the pupil for two numbers from 0 to 1, as [`ray`](eyebox_world::eye::EyeLens::ray) takes it, and its density relative to chance.
     fn lens(&self, pixel: Pixel, uv: [f64; 2]) -> ([f64; 2], f64) {
         let Some(guide) = &self.pupil else { return (uv, 1.0) };
         let [width, height] = self.world.eye.size();

@@ -7,12 +7,12 @@ use super::ledger::Ledger;
 use super::specular_event::Branch;
 use super::tuning::window_visibility::MOST_FACES;
 use super::walk::{Meeting, Met, Vertex, Walker};
-use crate::base::chain::Step;
-use crate::base::lpe::Letter;
-use crate::base::warp::Frame;
-use crate::world::mode::{LaneArray, Mode, lanes};
-use crate::world::scatter::Scatter;
-use crate::world::surface::Surface;
+use eyebox_base::chain::Step;
+use eyebox_base::lpe::Letter;
+use eyebox_base::warp::Frame;
+use eyebox_world::mode::{LaneArray, Mode, lanes};
+use eyebox_world::scatter::Scatter;
+use eyebox_world::surface::Surface;
 use glam::DVec3;
 
 /// The last scattering vertex: what the chance of having sampled a lamp from there was.

@@ -2,7 +2,7 @@
 //! paths has traced: from the eye, over whatever face they meet, with next-event estimation at scatterers. No table, no
 //! connection, no photon, numbers of their own. All that they are told is where
 //! in the pupil lamps are seen, and where light that lands about a place came from; a share of them goes anywhere. What they see goes into no picture;
-//! [`judge`](crate::film::witness::judge) holds it against one.
+//! [`judge`](eyebox_film::witness::judge) holds it against one.
 //!
 //! How many looks a pass gets is a function of that pass: its counted work over that of a look, which a few looks before the
 //! first pass tell. So the same looks are made in whatever pieces the passes are.
@@ -14,18 +14,18 @@ use super::photon::{Landing, PhotonMapper};
 use super::pixel::Pixel;
 use super::tuning::witness::{BEFORE, CHUNK, ENOUGH, MOST_TIMES, PHOTONS, ROUNDS, SELDOM, SHARE, TRIED};
 use super::vision::Hints;
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::manifold::receiver::Receivers;
-use crate::film::accumulate::{Light, PlaneKey};
-use crate::film::guide::ApertureGuide;
-use crate::film::plan::{Estimator, Plan, Radii, Row, Verdict};
-use crate::film::witness::{Unwatched, Watched, Witness as Record, pixels};
-use crate::world::World;
-use crate::world::lamp::Lamp;
-use crate::world::mode::{Mode, Mono, components};
-use crate::world::surface::Surface;
+use crate::manifold::receiver::Receivers;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_film::accumulate::{Light, PlaneKey};
+use eyebox_film::guide::ApertureGuide;
+use eyebox_film::plan::{Estimator, Plan, Radii, Row, Verdict};
+use eyebox_film::witness::{Unwatched, Watched, Witness as Record, pixels};
+use eyebox_world::World;
+use eyebox_world::lamp::Lamp;
+use eyebox_world::mode::{Mode, Mono, components};
+use eyebox_world::surface::Surface;
 use rayon::prelude::*;
 use std::sync::Arc;
 

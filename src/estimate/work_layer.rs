@@ -1,7 +1,7 @@
 //! The layer `work`: where the work of tracing went, if pixels got passes of their own.
 
 use super::run::Films;
-use crate::film::frame::{Channel, Frame, Samples};
+use eyebox_film::frame::{Channel, Frame, Samples};
 
 /// The name of the layer.
 pub const WORK: &str = "work";

@@ -59,7 +59,7 @@ fn memory_follows_the_light() {
     let (width, height, lit) = (256, 8, 3);
     let other = PlaneKey { group: GroupId(1), ..KEY };
     let bytes = |film: &Film, name: &str| -> usize {
-        film.tables().iter().filter(|table| table.name == name).map(crate::film::serial::Table::bytes).sum()
+        film.tables().iter().filter(|table| table.name == name).map(crate::serial::Table::bytes).sum()
     };
     let film = || Film::new(width, height, vec![KEY, other], Components::Luminance, Sampling::PerPass);
     let (mut filled, empty) = (film(), film());

@@ -2,7 +2,7 @@
 //! else as linear Rec.709, as EXR has it.
 
 use super::frame::{Frame, Meta};
-use crate::base::colour::{Chromaticities, ColourSpace, FileSpace, Rgb, Xyz};
+use eyebox_base::colour::{Chromaticities, ColourSpace, FileSpace, Rgb, Xyz};
 
 /// The attribute that names the colour space of the pictures.
 pub const COLOR_INTEROP_ID: &str = "colorInteropID";
@@ -45,7 +45,7 @@ impl Colours {
     pub fn luminance(self, stored: Rgb) -> f64 {
         match self {
             Colours::Own(space) => space.luminance(stored),
-            Colours::Foreign(space) => crate::base::colour::luminance(space.to_rec709(stored)),
+            Colours::Foreign(space) => eyebox_base::colour::luminance(space.to_rec709(stored)),
         }
     }
 
@@ -115,7 +115,7 @@ mod tests {
     /// A name goes before primaries, primaries before nothing, and rounded ones are those that they are rounded from.
     #[test]
     fn every_reader_asks_here() {
-        use crate::base::colour::{AP1, REC709};
+        use eyebox_base::colour::{AP1, REC709};
         let single = AP1.map(|pair| pair.map(|x| f64::from(x as f32)));
         assert_eq!(Colours::of(&frame(None, Some(&single))), Colours::Own(ColourSpace::AcesCg));
         assert_eq!(Colours::of(&frame(Some("lin_rec709_scene"), Some(&AP1))), Colours::Own(ColourSpace::Rec709));
@@ -128,7 +128,7 @@ mod tests {
         let found = Colours::of(&frame(None, Some(&ap0)));
         assert_eq!(found, Colours::of(&frame(Some("lin_ap0_scene"), None)));
         assert!((found.luminance([1.0; 3]) - 1.0).abs() < 1e-12);
-        let red = crate::base::colour::luminance([2.521_686, -0.276_480, -0.015_378]);
+        let red = eyebox_base::colour::luminance([2.521_686, -0.276_480, -0.015_378]);
         assert!((found.luminance([1.0, 0.0, 0.0]) - red).abs() < 1e-5, "{}", found.luminance([1.0, 0.0, 0.0]));
         assert_eq!(chromaticities(&frame(None, Some(&ap0))), Some(ap0));
     }

@@ -4,7 +4,7 @@
 //! Carlo theory, methods and examples", 2013, chapter 8.9). Means are not changed.
 
 use super::tiles::{Tiles, TilesRow};
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 use glam::{DMat3, DVec3};
 
 /// A pass's luminance of the lamps' light through a red, a green and a blue film, in parts of white's, less the mean over all
@@ -137,7 +137,7 @@ impl ControlVariatesRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::rng::{Rng, Stream};
 
     /// Passes of pixels that follow what is known, each in its way, and some noise of their own: what is stated over many runs, against
     /// how far the means really are off. `even`: what is known has its mean, as with wavelengths that are spread evenly.

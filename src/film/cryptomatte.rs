@@ -5,7 +5,7 @@
 //! ranks 0 and 1, 2 and 3, … in the channels r, g, b, a.
 
 use super::frame::{Channel, Frame, Meta};
-use crate::base::murmur3::murmur3_32;
+use eyebox_base::murmur3::murmur3_32;
 use std::collections::BTreeMap;
 
 /// A Cryptomatte of ours.

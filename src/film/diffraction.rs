@@ -10,7 +10,7 @@ use super::accumulate::{Light, PlaneKey};
 use super::layer::Layer;
 use super::pupil::Pupil;
 use super::sharpness::{Applied, Blurred, GroupPupil};
-use crate::base::colour::ColourSpace;
+use eyebox_base::colour::ColourSpace;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};

@@ -1,9 +1,9 @@
 use super::*;
-use crate::base::colour::{REC709_TO_XYZ, apply, cmf};
-use crate::base::ids::GroupId;
-use crate::film::accumulate::{Components, Film, Sampling};
-use crate::film::finish::{GroupInfo, finish_through};
-use crate::film::pupil::{Aperture, Crossing};
+use crate::accumulate::{Components, Film, Sampling};
+use crate::finish::{GroupInfo, finish_through};
+use crate::pupil::{Aperture, Crossing};
+use eyebox_base::colour::{REC709_TO_XYZ, apply, cmf};
+use eyebox_base::ids::GroupId;
 
 const NM: f64 = 550.0;
 /// Pixels per λ/d in the tests of shapes.

@@ -23,8 +23,8 @@ pub use super::colours::{CHROMATICITIES, COLOR_INTEROP_ID};
 use super::crop::Window;
 use super::cryptomatte;
 use super::frame::{Channel, Frame, Meta, split_name};
-use crate::base::colour::Chromaticities;
-use crate::base::error::{Error, Result, Where};
+use eyebox_base::colour::Chromaticities;
+use eyebox_base::error::{Error, Result, Where};
 use subsampled::Sampling;
 
 /// cd/m² of the value (1, 1, 1).

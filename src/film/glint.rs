@@ -123,8 +123,8 @@ impl Glint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
-    use crate::base::warp::disk;
+    use eyebox_base::rng::{Rng, Stream};
+    use eyebox_base::warp::disk;
 
     /// Paths drawn either way are as dense as is said: the share of even paths that a glint holds, found by those about it.
     #[test]

@@ -55,8 +55,8 @@ pub(super) fn add(row: &mut TilesRow, x: usize, beyond: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
-    use crate::base::stats::Moments;
+    use eyebox_base::rng::{Rng, Stream};
+    use eyebox_base::stats::Moments;
 
     /// Of 2 ± noise the square of 4/3 · 2; of noise alone nothing.
     #[test]

@@ -1,7 +1,7 @@
 //! The layers of a picture: which path classes each holds, and how its channels are named.
 
 use super::plan::Estimator;
-use crate::base::path::Class;
+use eyebox_base::path::Class;
 
 /// A picture layer. [`Layer::SUM_ORDER`] is the order in which `hybrid` adds them up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]

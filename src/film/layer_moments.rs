@@ -7,8 +7,8 @@ use super::accumulate::light::Light;
 use super::accumulate::plane::{PlaneKey, Together};
 use super::layer::Layer;
 use super::tiles::{Tiles, TilesRow};
-use crate::base::ids::GroupId;
-use crate::base::lpe;
+use eyebox_base::ids::GroupId;
+use eyebox_base::lpe;
 
 /// Second moments of the light of one plane, sums over samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,7 +159,7 @@ impl LayerMomentsRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::accumulate::{Components, Film, Sampling};
+    use crate::accumulate::{Components, Film, Sampling};
 
     const GROUP: GroupId = GroupId(0);
     const SHARE: (Layer, GroupId) = (Layer::Direct, GROUP);

@@ -6,8 +6,8 @@ use super::guide::{ApertureGuide, Guide, Portals};
 use super::layer::Layer;
 use super::specular_chain::{Connection, Screen};
 use super::unseen::Doubts;
-use crate::base::ids::GroupId;
-use crate::base::path::{Class, Trail};
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::{Class, Trail};
 
 /// A way of tracing light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]

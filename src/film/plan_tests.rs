@@ -1,5 +1,5 @@
 use super::*;
-use crate::film::specular_chain::SpecularChain;
+use crate::specular_chain::SpecularChain;
 
 fn plan() -> Plan {
     let row = |class| Row { group: GroupId(0), class, verdict: Verdict::Skip { because: "a test".to_owned() } };

@@ -3,7 +3,7 @@
 //! Format" in the Radiance reference manual (radiance-online.org/refer/filefmts.pdf, "Picture Files").
 
 use super::still::{Light, MAX_PIXELS, Remark, Still};
-use crate::base::colour::{Chromaticities, FileSpace, XYZ};
+use eyebox_base::colour::{Chromaticities, FileSpace, XYZ};
 
 /// Longer lines are no header.
 const LONGEST_LINE: usize = 1 << 16;

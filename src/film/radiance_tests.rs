@@ -38,7 +38,7 @@ fn variants_of_the_header() {
         let crlf = if head.contains('\r') { [b"#?X\r\n\r\n-Y 1 +X 1\r\n", &TEXEL[..]].concat() } else { crlf };
         assert_eq!(rgb(&crlf), [[500.0; 3]], "{head:?}");
     }
-    let luminance = |rgb: [f32; 3]| crate::base::colour::luminance(rgb.map(f64::from));
+    let luminance = |rgb: [f32; 3]| eyebox_base::colour::luminance(rgb.map(f64::from));
     let xyz = rgb(&file("#?RADIANCE\nFORMAT=32-bit_rle_xyze", "-Y 1 +X 1", &[64, 128, 32, 137]));
     assert!((luminance(xyz[0]) / 256.0 - 1.0).abs() < 1e-6, "{xyz:?}");
     let wide = "PRIMARIES=0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290";

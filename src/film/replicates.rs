@@ -7,7 +7,7 @@
 
 use super::accumulate::light::{Light, MixError};
 use super::tiles::Tiles;
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 
 /// Independent scrambles that the paths of every pass are dealt to in turn.
 pub const REPLICATES: usize = 8;

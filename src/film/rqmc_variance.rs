@@ -14,7 +14,7 @@
 
 mod shared;
 
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 
 /// Passes of a run, powers of two.
 const RUNS: [u32; COUNT] = [2, 3, 5, 7];
@@ -298,8 +298,8 @@ impl RqmcVarianceRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::lattice::lattice;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::lattice::lattice;
+    use eyebox_base::rng::{Rng, Stream};
 
     #[test]
     fn the_surplus_is_counted() {

@@ -5,7 +5,7 @@ use super::replicates::Replicates;
 use super::rqmc_variance::RqmcVariance;
 use super::sample_map::SampleMap;
 use super::tiles::Tiles;
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 
 /// The name of the table of [turns](super::turns).
 const TURNS: &str = "turns";
@@ -214,9 +214,9 @@ impl Film {
 
 #[cfg(test)]
 mod tests {
-    use crate::base::ids::GroupId;
-    use crate::film::accumulate::{Components, Film, Light, PlaneKey, Sampling, Together};
-    use crate::film::layer::Layer;
+    use crate::accumulate::{Components, Film, Light, PlaneKey, Sampling, Together};
+    use crate::layer::Layer;
+    use eyebox_base::ids::GroupId;
 
     const PLANES: [PlaneKey; 2] = [
         PlaneKey { layer: Layer::Direct, group: GroupId(0), takes: 0 },

@@ -1,7 +1,7 @@
 //! What diffraction makes of a picture's sharpness, as the header holds it and `view` says it.
 
 use super::pupil::Pupil;
-use crate::base::units::ARCMIN;
+use eyebox_base::units::ARCMIN;
 
 /// What a light group has of the pupil, and how that is known.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]

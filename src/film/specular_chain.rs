@@ -1,8 +1,8 @@
 //! Trains: chains of specular faces as a plan keeps them, with what a solver needs to follow them without asking what
 //! else is in the way.
 
-use crate::base::chain::{Chain, Link};
-use crate::base::ids::GroupId;
+use eyebox_base::chain::{Chain, Link};
+use eyebox_base::ids::GroupId;
 
 /// One face on the way from the eye (or from a scatterer) to a lamp.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -6,8 +6,8 @@ use super::exr::{About, COLOR_INTEROP_ID, WHITE_LUMINANCE, decode_all};
 use super::frame::Frame;
 use super::jpeg::is_cut_short;
 use super::names;
-use crate::base::colour::FileSpace;
-use crate::base::error::nearest_name;
+use eyebox_base::colour::FileSpace;
+use eyebox_base::error::nearest_name;
 
 /// More pixels than this are a broken header, not a picture: 16384 × 8192.
 pub(super) const MAX_PIXELS: usize = 1 << 27;

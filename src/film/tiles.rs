@@ -4,7 +4,7 @@
 //! as the largest need in it so far. A term of zero changes no bit of a [`Sum`], so it makes no difference which tiles there
 //! are: what is read is what dense storage would hold.
 
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 
 /// Pixels of a tile, along a row. The last of a row may stick out of the picture.
 const TILE: usize = 16;

@@ -2,7 +2,7 @@
 //! show in each pixel's own variance; it shows in how far the passes' totals lie apart. And what each pass cost.
 
 use super::accumulate::light::Light;
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 
 /// The picture is cut into so many parts side by side, and one above the other.
 pub const ACROSS: usize = 4;

@@ -191,7 +191,7 @@ fn alone(width: usize, means: &[f64], pixel: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::rng::{Rng, Stream};
 
     /// Whatever share of its pixels' rays a light has, what it brings to the sum is within four stated errors of what n rays each have
     /// found but in one of a thousand runs.

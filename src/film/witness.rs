@@ -5,11 +5,11 @@ mod judge;
 mod words;
 
 use super::layer::Layer;
-use crate::base::double_double::Sum;
-use crate::base::ids::GroupId;
-use crate::base::lattice::lattice;
-use crate::base::path::Class;
-use crate::base::rng::{Rng, Stream};
+use eyebox_base::double_double::Sum;
+use eyebox_base::ids::GroupId;
+use eyebox_base::lattice::lattice;
+use eyebox_base::path::Class;
+use eyebox_base::rng::{Rng, Stream};
 pub use judge::{Judged, Judgement, Off, judge};
 use std::collections::{BTreeMap, HashSet};
 

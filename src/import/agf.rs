@@ -5,10 +5,10 @@
 //! which nothing here has. Formulas by number as in the manual of Zemax OpticStudio, "Using material catalogs".
 
 use super::{files, text};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::glass::Glass;
-use crate::scene::{Dispersion, Formula, FormulaKind};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::glass::Glass;
+use eyebox_scene::{Dispersion, Formula, FormulaKind};
 use std::path::{Path, PathBuf};
 
 /// How far n_d of a melt may be from that of its catalogue (SCHOTT, TIE-29, "Refractive index and dispersion", step 3): a law
@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn a_glass_and_its_transmittance() {
         let bk7 = read("nbk7").unwrap();
-        let row = crate::scene::glass::find("N-BK7").unwrap();
+        let row = eyebox_scene::glass::find("N-BK7").unwrap();
         for nm in [400.0, 587.5618, 700.0] {
             assert!((bk7.dispersion.index(nm).re - row.dispersion.index(nm).re).abs() < 1e-14, "{nm}");
         }

@@ -3,8 +3,8 @@
 use super::binding_slots::Slot;
 use super::optics;
 use super::value::{Data, Value};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
 
 /// Everything said at the top level.
 #[derive(Debug, Clone)]

@@ -7,9 +7,9 @@ use super::binding_slots::{Entry, PartBound, Rank, Slot};
 use super::material_mapping::mapped;
 use super::select::{Candidate, Faces};
 use super::value::Value;
-use crate::base::error::Result;
-use crate::base::{Code, Error};
-use crate::scene::Note;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error};
+use eyebox_scene::Note;
 use std::rc::Rc;
 
 /// What one node says: of whole parts, and of some of their faces.

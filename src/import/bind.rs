@@ -8,10 +8,10 @@ use super::binding_slots::{Entry, PartBound, Rank, Slot, Slots};
 use super::optics::{medium_entries, stray};
 use super::select::{Candidate, Faces, is_glob, listed};
 use super::value::{Data, Value};
-use crate::base::error::Result;
-use crate::base::{Code, Error};
-use crate::scene::Note;
-use crate::scene::attribute::Noun;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error};
+use eyebox_scene::Note;
+use eyebox_scene::attribute::Noun;
 use std::rc::Rc;
 
 /// The attributes that can be bound.

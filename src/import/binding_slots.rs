@@ -1,8 +1,8 @@
 //! The places that values are offered for, and the rule by which one wins.
 
 use super::value::Value;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
 use std::rc::Rc;
 
 /// How specific a binding is: the greatest wins.

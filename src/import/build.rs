@@ -16,9 +16,9 @@ use super::select::{Candidate, candidates, listed};
 use super::set::Set;
 use super::surfaces::Surfaces;
 use super::value::Value;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Shared, Where};
-use crate::scene::{
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Shared, Where};
+use eyebox_scene::{
     Beacon, Coating, Face, Grating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide,
     StandardSurface, WavePlate, Wavelengths,
 };

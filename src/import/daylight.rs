@@ -6,7 +6,7 @@ mod sunlight;
 pub use sunlight::{DISC_DEG, Sunlight};
 
 use super::image::Picture;
-use crate::base::colour::{XYZ_TO_REC709, Xyz, apply};
+use eyebox_base::colour::{XYZ_TO_REC709, Xyz, apply};
 use preetham::ClearSky;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

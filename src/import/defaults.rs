@@ -2,8 +2,8 @@
 
 use super::assembly::Assembly;
 use super::frames;
-use crate::base::Where;
-use crate::scene::{Eye, Note};
+use eyebox_base::Where;
+use eyebox_scene::{Eye, Note};
 use glam::DVec3;
 
 /// Of the default picture.
@@ -44,7 +44,7 @@ pub fn eye(assembly: &Assembly, unit_m: f64, resolution: [usize; 2], fov_deg: f6
         up,
         pupil_diameter_m: 0.0,
         adapts: false,
-        limits: crate::scene::BinocularLimits::default(),
+        limits: eyebox_scene::BinocularLimits::default(),
         focus_distance_m: f64::INFINITY,
         fov_deg,
         resolution,

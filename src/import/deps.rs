@@ -3,10 +3,10 @@
 use super::agf::Reference;
 use super::value::{Data, Value};
 use super::{Assembly, ReadOptions, extension, files, gltf, photometric, toml};
-use crate::base::error::Result;
-use crate::base::{Where, package};
-use crate::scene::assembly::LightForm;
-use crate::scene::attribute::{Form, ROWS};
+use eyebox_base::error::Result;
+use eyebox_base::{Where, package};
+use eyebox_scene::assembly::LightForm;
+use eyebox_scene::attribute::{Form, ROWS};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

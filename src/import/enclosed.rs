@@ -3,8 +3,8 @@
 
 use super::assembly::{Assembly, LightForm, LightSource};
 use super::frames;
-use crate::base::Shared;
-use crate::scene::{Finish, Mesh, Part, StandardSurface};
+use eyebox_base::Shared;
+use eyebox_scene::{Finish, Mesh, Part, StandardSurface};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 
@@ -83,27 +83,10 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * a.dot(b.cross(c)).atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
 }
 
-impl LightForm {
-    /// Whether a point of the light's own frame lies within its body.
-    pub(super) fn holds(&self, local: DVec3) -> bool {
-        match *self {
-            LightForm::Sphere { radius, .. } => local.length() < radius,
-            LightForm::Cylinder { radius, length, .. } => {
-                local.x.abs() < 0.5 * length && local.y.hypot(local.z) < radius
-            }
-            LightForm::Point { .. }
-            | LightForm::Distant { .. }
-            | LightForm::Dome { .. }
-            | LightForm::Rect { .. }
-            | LightForm::Disk { .. } => false,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::light_shapes::sphere;
+    use eyebox_scene::light_shapes::sphere;
 
     #[test]
     fn a_closed_body_holds_what_lies_within_whatever_its_frame() {

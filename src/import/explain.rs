@@ -2,8 +2,8 @@
 
 use super::binding_slots::{Entry, PartBound, Rank, Slots};
 use super::select::{Candidate, is_glob, listed};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 
 /// For every part what was bound to it, in part order.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
@@ -155,12 +155,12 @@ fn rows(face: Option<usize>, slots: &Slots) -> Vec<Explanation> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::{ImportOptions, Set, import};
+    use crate::{ImportOptions, Set, import};
     use std::path::Path;
 
     #[test]
     fn the_line_that_won_is_named_with_those_it_beat() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-direct/hud.optics.toml");
+        let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples/hud-direct/hud.optics.toml");
         let text = std::fs::read_to_string(&file).expect("the sample is there");
         let line = |start: &str| 1 + text.lines().position(|line| line.starts_with(start)).expect("such a line");
         let sets = vec![Set::parse("LENS_01_PMMA.glass=F2").expect("a set")];

@@ -10,10 +10,10 @@ use super::optics::{
 };
 use super::select::Candidate;
 use super::value::{Data, Value};
-use crate::base::error::Result;
-use crate::base::ids::{CoatingId, GratingId, MediumId, MeshId, ScatterId, WavePlateId};
-use crate::base::{Code, Error, Where};
-use crate::scene::{
+use eyebox_base::error::Result;
+use eyebox_base::ids::{CoatingId, GratingId, MediumId, MeshId, ScatterId, WavePlateId};
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{
     Absorption, Emitter, Face, Finish, Medium, Note, Orders, Part, Shape, Spectrum, WavePlate, Wavelengths, glass,
 };
 use glam::DAffine3;

@@ -1,7 +1,7 @@
 //! Reading the files that a scene is made of, with faults that name who asked for them.
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where, package};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where, package};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};

@@ -7,9 +7,9 @@ use super::fit::{self, Fitted};
 use super::optics::{self, EyeSpec, Lens, Pose};
 use super::select;
 use super::value::{Data, Value};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::{Eye, Mesh, Note, Residual, Shape};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{Eye, Mesh, Note, Residual, Shape};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Node → world in metres.

@@ -1,11 +1,11 @@
 //! Pictures that a scene is made of: slides (PNG) and panoramas (OpenEXR, Radiance HDR), as luminance and as colour.
 
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::film::exr::is_exr;
-use crate::film::radiance::is_radiance;
-use crate::film::still::{Light, Remark, Still, is_srgb, undecoded};
-use crate::scene::{Note, Severity};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_film::exr::is_exr;
+use eyebox_film::radiance::is_radiance;
+use eyebox_film::still::{Light, Remark, Still, is_srgb, undecoded};
+use eyebox_scene::{Note, Severity};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -28,7 +28,7 @@ pub struct Picture {
 
 /// Luminance of linear Rec.709.
 fn luminance(rgb: [f32; 3]) -> f32 {
-    crate::base::colour::luminance(rgb.map(f64::from)) as f32
+    eyebox_base::colour::luminance(rgb.map(f64::from)) as f32
 }
 
 impl Picture {

@@ -2,7 +2,7 @@
 //! objects of glTF).
 
 use super::value::{Data, Value};
-use crate::base::{Error, Where, error::Result};
+use eyebox_base::{Error, Where, error::Result};
 use std::path::Path;
 
 /// The tree of `json`, which stands at `pointer` (RFC 6901, empty for a whole document) in `file`. Tables keep the

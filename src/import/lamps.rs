@@ -6,11 +6,11 @@ use super::optics::{self, EmitterSpec, Spreading, Strength};
 use super::select::Candidate;
 use super::value::Value;
 use super::{files, frames, photometric};
-use crate::base::colour::{K_M, cmf};
-use crate::base::error::Result;
-use crate::base::ids::{GroupId, ProfileId};
-use crate::base::{Code, Error, Where};
-use crate::scene::{
+use eyebox_base::colour::{K_M, cmf};
+use eyebox_base::error::Result;
+use eyebox_base::ids::{GroupId, ProfileId};
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{
     Angular, Beacon, BeaconForm, Emitter, Group, LuminousProfile, Note, Photometry, PolarisedLight, Spectrum,
     Wavelengths,
 };

@@ -7,12 +7,12 @@ use super::optics::{self, group_name};
 use super::scene_images::finite;
 use super::value::Value;
 use super::{files, frames, image, photometric};
-use crate::base::error::Result;
-use crate::base::ids::{GroupId, MeshId};
-use crate::base::{Error, Where};
-use crate::scene::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
-use crate::scene::light_shapes::{cylinder, disk, rect, sphere};
-use crate::scene::{
+use eyebox_base::error::Result;
+use eyebox_base::ids::{GroupId, MeshId};
+use eyebox_base::{Error, Where};
+use eyebox_scene::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
+use eyebox_scene::light_shapes::{cylinder, disk, rect, sphere};
+use eyebox_scene::{
     Angular, Beacon, BeaconForm, Emitter, Face, Finish, Group, LuminousProfile, Mesh, Note, Part, Photometry, Shape,
     Sky, Spectrum, SpotCone,
 };

@@ -2,10 +2,10 @@
 
 use super::assembly::Material;
 use super::value::{Data, Value};
-use crate::base::colour::luminance;
-use crate::base::error::Result;
-use crate::base::{Code, Error};
-use crate::scene::Note;
+use eyebox_base::colour::luminance;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error};
+use eyebox_scene::Note;
 
 /// The attributes that `material.mapped` amounts to. Names that our vocabulary has pass as they are, dotted ones as
 /// tables. `transmission`, `thickness`, `dispersion`, `attenuation_*` and `luminance_cd_m2` are taken as the ratified
@@ -114,8 +114,8 @@ fn nest(all: &mut Vec<(String, Value)>, head: &str, key: &str, value: &Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::Where;
-    use crate::import::testing::assembly;
+    use crate::testing::assembly;
+    use eyebox_base::Where;
 
     fn said(rows: &[(&str, f64)]) -> (Vec<String>, usize) {
         let mut material = assembly(&[]).materials.remove(0);
@@ -169,7 +169,7 @@ mod tests {
         material.mapped.push(("attenuation_color".to_owned(), value(Data::List(lanes.to_vec()))));
         let all = mapped(&material, &mut Vec::new()).unwrap();
         let (_, absorption) = all.iter().find(|(key, _)| key == "absorption_per_m").unwrap();
-        let read = crate::import::optics::absorption(absorption, 555.0).unwrap();
-        assert_eq!(read, crate::scene::Absorption::Colour { rgb: [1.0, 0.5, 0.25], distance_m: 0.05 });
+        let read = crate::optics::absorption(absorption, 555.0).unwrap();
+        assert_eq!(read, eyebox_scene::Absorption::Colour { rgb: [1.0, 0.5, 0.25], distance_m: 0.05 });
     }
 }

@@ -1,6 +1,6 @@
 //! What can be measured on a CAD face: its area-weighted normal, its bounds, whether it is flat.
 
-use crate::scene::Mesh;
+use eyebox_scene::Mesh;
 use glam::DVec3;
 
 /// Measures of a face, in mesh units.
@@ -75,7 +75,7 @@ fn corners(mesh: &Mesh, face: usize) -> Option<impl Iterator<Item = [DVec3; 3]>>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::testing::box_mesh;
+    use crate::testing::box_mesh;
 
     #[test]
     fn a_box_has_six_flat_faces_with_their_normals() {

@@ -3,8 +3,8 @@
 use super::gltf::looks_like_millimetres;
 use super::value::{Data, Value};
 use super::{Assembly, ReadOptions, build, optics, toml};
-use crate::base::error::Result;
-use crate::scene::Scene;
+use eyebox_base::error::Result;
+use eyebox_scene::Scene;
 use std::path::Path;
 
 /// Only what stands in for optics: nothing of it is to be shown.

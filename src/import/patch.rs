@@ -1,9 +1,9 @@
 //! Changing a value in place: paths into it, and what stands there afterwards.
 
 use super::value::{Data, Value};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::attribute;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::attribute;
 
 /// A step into a value.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,10 +6,10 @@ use super::lamps::efficacy_lm_per_w;
 use super::optics::{EmitterSpec, Strength};
 use super::ray_file::{self, Bundle, RayFile};
 use super::select::Candidate;
-use crate::base::error::Result;
-use crate::base::ids::{GroupId, PartId};
-use crate::base::{Code, Error, Shared, Where};
-use crate::scene::{Beacon, BeaconForm, Group, Note, Photometry, RaySet, Spectrum, Wavelengths};
+use eyebox_base::error::Result;
+use eyebox_base::ids::{GroupId, PartId};
+use eyebox_base::{Code, Error, Shared, Where};
+use eyebox_scene::{Beacon, BeaconForm, Group, Note, Photometry, RaySet, Spectrum, Wavelengths};
 use std::path::Path;
 
 /// A ray file as it was read, once for all parts that it is bound to.

@@ -6,11 +6,11 @@ use super::measure::FaceMeasure;
 use super::optics::SlideSpec;
 use super::select::Candidate;
 use super::{files, image, optics};
-use crate::base::colour::{ColourSpace, luminance};
-use crate::base::error::Result;
-use crate::base::ids::SlideId;
-use crate::base::{Code, Error, Where};
-use crate::scene::{Note, Slide, Wavelengths};
+use eyebox_base::colour::{ColourSpace, luminance};
+use eyebox_base::error::Result;
+use eyebox_base::ids::SlideId;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{Note, Slide, Wavelengths};
 use std::sync::Arc;
 
 impl Builder<'_> {

@@ -3,8 +3,8 @@
 use super::assembly::Assembly;
 use super::measure::FaceMeasure;
 use super::value::Value;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
 use glam::DVec3;
 
 /// A node with geometry, as selectors see it.

@@ -9,8 +9,8 @@ use super::patch::{Step, patch, patch_parameter, steps};
 use super::select::{Candidate, is_glob, listed};
 use super::toml::parse_value;
 use super::value::{Data, Value};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use std::rc::Rc;
 
 /// One `--set`.

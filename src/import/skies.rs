@@ -7,11 +7,11 @@ use super::optics::{self, SkyKind, SkySpec, Up};
 use super::scene_images::finite;
 use super::value::Value;
 use super::{files, frames, image};
-use crate::base::colour::luminance;
-use crate::base::error::Result;
-use crate::base::ids::GroupId;
-use crate::base::{Error, Where};
-use crate::scene::{Beacon, BeaconForm, Group, Note, Sky};
+use eyebox_base::colour::luminance;
+use eyebox_base::error::Result;
+use eyebox_base::ids::GroupId;
+use eyebox_base::{Error, Where};
+use eyebox_scene::{Beacon, BeaconForm, Group, Note, Sky};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 

@@ -10,8 +10,8 @@ mod write;
 mod tests;
 
 use super::{Assembly, Built, build, gltf, toml};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use std::path::{Component, Path};
 
 /// A sidecar as text.

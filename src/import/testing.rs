@@ -1,8 +1,8 @@
 //! Assemblies made by hand, for tests.
 
 use super::assembly::{Assembly, Material, MeshSource, Node};
-use crate::base::Where;
-use crate::scene::{FaceRange, Mesh};
+use eyebox_base::Where;
+use eyebox_scene::{FaceRange, Mesh};
 use glam::{DAffine3, DQuat, DVec3};
 
 /// A box with one face each towards −x, +x, −y, +y, −z, +z.

@@ -1,14 +1,14 @@
 //! Files of textures: PNG, JPEG, WebP, TIFF, Radiance HDR, OpenEXR and KTX2. None is trusted: a header can claim any size.
 
-use crate::base::error::Result;
-use crate::base::{Error, Where, package};
-use crate::film::exr::is_exr;
-use crate::film::jpeg::is_cut_short;
-use crate::film::radiance::{self, is_radiance};
-use crate::film::still::{CUT_SHORT, Light, Still, undecoded};
-use crate::scene::Texture;
-use crate::scene::texture::{Encoding, Texels};
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where, package};
+use eyebox_film::exr::is_exr;
+use eyebox_film::jpeg::is_cut_short;
+use eyebox_film::radiance::{self, is_radiance};
+use eyebox_film::still::{CUT_SHORT, Light, Still, undecoded};
+use eyebox_scene::Texture;
+use eyebox_scene::texture::{Encoding, Texels};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};

@@ -1,8 +1,8 @@
 //! Pictures in tiles (UDIM): each lies in its own unit of texture coordinates, number 1001 + column + 10 · row. They are put
 //! together into one picture, since neighbours are filtered into one another.
 
-use crate::scene::texture::{Texels, Wrap};
-use crate::scene::{Texture, TextureInput};
+use eyebox_scene::texture::{Texels, Wrap};
+use eyebox_scene::{Texture, TextureInput};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -80,8 +80,8 @@ fn copy<T: Copy>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::Shared;
-    use crate::scene::texture::{Channel, Encoding, Filter};
+    use eyebox_base::Shared;
+    use eyebox_scene::texture::{Channel, Encoding, Filter};
 
     /// Each tile has its own grey; the second is twice as large.
     #[test]

@@ -1,8 +1,8 @@
 //! TOML text → [`Value`] tree; every value knows its line.
 
 use super::value::{Data, Value};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;

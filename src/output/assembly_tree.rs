@@ -15,8 +15,8 @@ pub use lamp::LampReport;
 pub use look::{LookReport, TextureReport};
 pub use parts::{Bounds, MediumReport, PartReport};
 
-use crate::base::Error;
-use crate::scene::{Eye, Note, Scene, Severity, Sky, Wavelengths};
+use eyebox_base::Error;
+use eyebox_scene::{Eye, Note, Scene, Severity, Sky, Wavelengths};
 
 /// The report. Lengths of the world in metres, shapes in mesh units as in the scene. In JSON an infinite number is null.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

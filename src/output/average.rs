@@ -1,7 +1,7 @@
 //! Means over pixels with what their error can be.
 
-use crate::film::frame::Frame;
-use crate::film::plan::Estimator;
+use eyebox_film::frame::Frame;
+use eyebox_film::plan::Estimator;
 
 /// A luminance per pixel, cd/m², and its one-sigma errors if they are known.
 #[derive(Debug, Clone, PartialEq)]

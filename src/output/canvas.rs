@@ -1,7 +1,7 @@
 //! An 8-bit picture to draw on, with letters small enough for labels.
 
-use crate::base::atomic::write_atomic;
-use crate::base::error::{Error, Result, Where};
+use eyebox_base::atomic::write_atomic;
+use eyebox_base::error::{Error, Result, Where};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::path::Path;

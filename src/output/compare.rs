@@ -7,9 +7,9 @@ mod names;
 mod within;
 
 use super::average::pixels_are_independent;
-use crate::base::stats::normal_tail;
-use crate::film::frame::Frame;
 use blocks::Trial;
+use eyebox_base::stats::normal_tail;
+use eyebox_film::frame::Frame;
 use header::{freedom, incomparable, notes};
 use layered::Layered;
 use names::{common, is_light};

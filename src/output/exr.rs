@@ -9,7 +9,7 @@ mod naming;
 mod packing;
 mod write;
 
-pub use crate::film::exr::{COLOR_INTEROP_ID, LAYER_PREFIX, PREFIX, WHITE_LUMINANCE, read_exr};
+pub use eyebox_film::exr::{COLOR_INTEROP_ID, LAYER_PREFIX, PREFIX, WHITE_LUMINANCE, read_exr};
 pub use naming::{COMPRESSION, HALF, MULTI_PART, parse_prefix};
 pub use packing::Packing;
 pub use write::{warnings, write_exr};

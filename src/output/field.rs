@@ -1,7 +1,7 @@
 //! Where a frame's pixels look: the eye's grid of tangents, from the header (`eyebox.eye`).
 
-use crate::film::crop::Window;
-use crate::film::frame::Frame;
+use eyebox_film::crop::Window;
+use eyebox_film::frame::Frame;
 use glam::DVec3;
 
 /// The viewing directions of a picture. x counts to the right and y down, in pixels; the centre of the first is (½, ½).
@@ -94,7 +94,7 @@ impl Field {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::frame::Meta;
+    use eyebox_film::frame::Meta;
 
     pub fn looking(width: usize, height: usize, fov_deg: f64) -> Frame {
         let mut frame = Frame::new(width, height);

@@ -1,6 +1,6 @@
 //! Pictures of another size on a frame: how they are laid over it, and by which filter their pixels are made.
 
-use crate::film::still::{Light, Still};
+use eyebox_film::still::{Light, Still};
 
 /// How a picture of another size is laid over a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

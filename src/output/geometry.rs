@@ -1,9 +1,9 @@
 //! What an asset holds before any optics: parts with their sizes, materials, lights, cameras, and totals to compare with
 //! what other programs count.
 
-use crate::base::Where;
-use crate::scene::assembly::{Assembly, LightForm, LightSource, MeshSource};
-use crate::scene::{Note, Severity};
+use eyebox_base::Where;
+use eyebox_scene::assembly::{Assembly, LightForm, LightSource, MeshSource};
+use eyebox_scene::{Note, Severity};
 use glam::{DAffine3, DMat3, DVec3};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -258,8 +258,8 @@ fn kind(form: &LightForm) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Mesh;
-    use crate::scene::assembly::Node;
+    use eyebox_scene::Mesh;
+    use eyebox_scene::assembly::Node;
     use glam::DQuat;
 
     /// A tetrahedron's corner points, turned by 45° about z, in cm, z up: the box is around the points, not around the

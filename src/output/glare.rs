@@ -5,7 +5,7 @@
 //! picture's edge is not known and not added; what is scattered beyond it is lost.
 
 use super::field::Field;
-use crate::base::vision::glare_spread;
+use eyebox_base::vision::glare_spread;
 use rustfft::num_complex::Complex;
 use rustfft::{FftDirection, FftPlannerScalar};
 use std::f64::consts::PI;
@@ -97,7 +97,7 @@ fn transform(field: &mut Vec<Complex<f64>>, [wide, high]: [usize; 2], direction:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::frame::{Frame, Meta};
+    use eyebox_film::frame::{Frame, Meta};
 
     /// Integrals over the sphere in tests/data/eye_glare_scenes.json.
     #[test]
@@ -127,7 +127,7 @@ mod tests {
             let theta = field.angle_deg([60.5, 30.5], [60.5 + away as f64, 30.5]);
             let want = illuminance * glare_spread(theta, 45.0, PIGMENT) / encircled(180.0, 45.0, PIGMENT);
             assert!((out[source + away] / want - 1.0).abs() < 1e-3, "{theta}°: {} {want}", out[source + away]);
-            let law = illuminance * crate::base::vision::glare_general(theta, 45.0, PIGMENT);
+            let law = illuminance * eyebox_base::vision::glare_general(theta, 45.0, PIGMENT);
             assert!((out[source + away] / law - 1.0).abs() < 0.2, "{theta}°: {} {law}", out[source + away]);
         }
         // Most of the light is still in the picture, none was made.

@@ -4,8 +4,8 @@ use super::contrasts::Contrasts;
 use super::field::Field;
 use super::light_shares::{Rendering, luminance_of};
 use super::luminance::Luminance;
-use crate::base::vision::threshold_ferwerda;
-use crate::film::frame::Frame;
+use eyebox_base::vision::threshold_ferwerda;
+use eyebox_film::frame::Frame;
 
 /// Side of the square patch that a leak is averaged over, degrees: small against a head-up display, large against noise.
 const PATCH_DEG: f64 = 0.5;

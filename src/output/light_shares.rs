@@ -4,14 +4,14 @@
 use super::compare::is_data;
 use super::contrasts::Contrasts;
 use super::luminance::Luminance;
-use crate::base::error::{Error, Result, Where};
-use crate::film::accumulate::light::Corners;
-use crate::film::aov::{self, CHANGE_ERROR, OF_SERIES};
-use crate::film::cryptomatte::Matte;
-use crate::film::finish::slides::{self, SlideInfo};
-use crate::film::frame::Frame;
-use crate::film::layer::Layer;
-use crate::film::names;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::accumulate::light::Corners;
+use eyebox_film::aov::{self, CHANGE_ERROR, OF_SERIES};
+use eyebox_film::cryptomatte::Matte;
+use eyebox_film::finish::slides::{self, SlideInfo};
+use eyebox_film::frame::Frame;
+use eyebox_film::layer::Layer;
+use eyebox_film::names;
 
 /// Three channels of a layer, `width × height` each, in the frame's colour space, cd/m².
 pub type Picture<'f> = [&'f [f32]; 3];

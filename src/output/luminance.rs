@@ -1,8 +1,8 @@
 //! Luminance of a frame's pixels, cd/m², whatever colour space it is stored in.
 
-use crate::film::colours::Colours;
-use crate::film::frame::Frame;
-use crate::output::exr::WHITE_LUMINANCE;
+use crate::exr::WHITE_LUMINANCE;
+use eyebox_film::colours::Colours;
+use eyebox_film::frame::Frame;
 
 /// How the three channels of a frame's pictures become a luminance and a colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,9 +48,9 @@ pub fn layer_luminance(frame: &Frame, layer: &str) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::colour::ColourSpace;
-    use crate::film::frame::Meta;
-    use crate::output::exr::COLOR_INTEROP_ID;
+    use crate::exr::COLOR_INTEROP_ID;
+    use eyebox_base::colour::ColourSpace;
+    use eyebox_film::frame::Meta;
 
     /// Files of others that name no space but their primaries: AP1, which we write ourselves, and AP0, which we do not. Written
     /// again they are what they were.
@@ -73,15 +73,15 @@ mod tests {
             image.layer_data.attributes.other.extend(named);
             let mut bytes = std::io::Cursor::new(Vec::new());
             image.write().to_buffered(&mut bytes).unwrap();
-            crate::film::exr::decode(&bytes.into_inner()).unwrap()
+            eyebox_film::exr::decode(&bytes.into_inner()).unwrap()
         };
         let of = |frame: &Frame| layer_luminance(frame, "").unwrap()[0];
         let (by_primaries, by_name) = (read(Some(ap1), None), read(None, Some("lin_ap1_scene")));
         assert_eq!(of(&by_primaries), ColourSpace::AcesCg.luminance(colour));
         assert_eq!(of(&by_name), of(&by_primaries));
-        let alike = crate::output::compare::compare(&by_primaries, &by_name, 3.0);
-        assert_eq!(alike.verdict, crate::output::compare::Verdict::Identical, "{alike:?}");
-        let shown = |frame: &Frame| crate::output::view::render_view(frame, &Default::default()).unwrap().0;
+        let alike = crate::compare::compare(&by_primaries, &by_name, 3.0);
+        assert_eq!(alike.verdict, crate::compare::Verdict::Identical, "{alike:?}");
+        let shown = |frame: &Frame| crate::view::render_view(frame, &Default::default()).unwrap().0;
         assert_eq!(shown(&by_primaries), shown(&by_name));
         let (by_primaries, by_name) = (read(Some(ap0), None), read(None, Some("lin_ap0_scene")));
         assert_eq!(of(&by_primaries), of(&by_name));
@@ -89,8 +89,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for frame in [&by_primaries, &by_name] {
             let path = folder.path().join("again.exr");
-            crate::output::exr::write_exr(&path, frame).unwrap();
-            let again = crate::output::exr::read_exr(&path).unwrap();
+            crate::exr::write_exr(&path, frame).unwrap();
+            let again = crate::exr::read_exr(&path).unwrap();
             assert_eq!((of(&again), again.text(COLOR_INTEROP_ID)), (of(frame), frame.text(COLOR_INTEROP_ID)));
         }
     }

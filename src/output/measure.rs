@@ -14,12 +14,12 @@ use super::leak::modulated;
 use super::light_shares::Rendering;
 use super::luminance::Luminance;
 use super::tone::{Adaptation, adaptation_luminance};
-use crate::base::error::{Error, Result, Where};
-use crate::base::rng::{Rng, Stream};
-use crate::base::stats::Moments;
-use crate::film::frame::Frame;
 use display::DISPLAY;
 use edge::{Region, response};
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::stats::Moments;
+use eyebox_film::frame::Frame;
 
 /// Half the width of an interval of 95 % in standard errors.
 const NORMAL_95: f64 = 1.959_964;

@@ -3,13 +3,13 @@
 
 use super::contrasts::Contrasts;
 use super::light_shares::{PLATE, Rendering, Share};
-use crate::base::error::{Error, Result, Where};
-use crate::film::aov;
-use crate::film::finish::slides::{self, SlideInfo};
-use crate::film::frame::{Frame, Meta, split_name};
-use crate::film::layer::Layer;
-use crate::film::names::STATED_ERROR;
-use crate::film::variance;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::aov;
+use eyebox_film::finish::slides::{self, SlideInfo};
+use eyebox_film::frame::{Frame, Meta, split_name};
+use eyebox_film::layer::Layer;
+use eyebox_film::names::STATED_ERROR;
+use eyebox_film::variance;
 
 /// What the header's entries about layers of `render --chain` begin with, and the path table that comes with them.
 const CHAIN: &str = "chain.";

@@ -9,8 +9,8 @@
 use super::contrasts::Contrasts;
 use super::light_shares::{PLATE, Rendering, Share, not_negative};
 use super::mix::{Errors, Recipe, is_lit, set_layer};
-use crate::film::frame::Frame;
-use crate::film::layer::Layer;
+use eyebox_film::frame::Frame;
+use eyebox_film::layer::Layer;
 
 /// Sets the errors in `out`, the frame with the new light; removes those that cannot be known.
 pub fn carry(rendering: &Rendering, recipe: &Recipe, contrasts: &Contrasts, out: &mut Frame) -> Errors {

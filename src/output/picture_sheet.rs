@@ -2,8 +2,8 @@
 
 use super::canvas::{Canvas, STEP};
 use super::view::{ViewOptions, shown};
-use crate::base::error::{Error, Result, Where};
-use crate::film::frame::Frame;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::frame::Frame;
 
 /// Pictures are no wider than this, pixels.
 const WIDEST: usize = 480;

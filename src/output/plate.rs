@@ -4,11 +4,11 @@ use super::fit::Fit;
 use super::light_shares::{PLATE, groups_of};
 use super::luminance::Luminance;
 use super::mix::set_layer;
-use crate::base::error::{Error, Result, Where};
-use crate::film::aov;
-use crate::film::colours::Colours;
-use crate::film::frame::Frame;
-use crate::film::still::{Light, Still};
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::aov;
+use eyebox_film::colours::Colours;
+use eyebox_film::frame::Frame;
+use eyebox_film::still::{Light, Still};
 
 /// Adds the layer `plate` to a frame and its light to `hybrid` and the default image; a plate that is there already is
 /// replaced. The plate's values are cd/m², or `white_cd_m2` for 1.

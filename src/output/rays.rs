@@ -3,8 +3,8 @@
 mod glb;
 mod usda;
 
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -174,7 +174,7 @@ pub fn write(out: &Path, strips: &[Strip], space: &Space) -> Result<()> {
         "usda" => usda::text(&lines, space).into_bytes(),
         _ => return Err(unknown(out)),
     };
-    crate::base::atomic::write_atomic(out, &bytes)
+    eyebox_base::atomic::write_atomic(out, &bytes)
 }
 
 /// The fault of a name that no format goes with.

@@ -15,8 +15,8 @@ use super::luminance::Luminance;
 use super::measure::{Target, measure};
 use super::tone::{Adaptation, adaptation_luminance, ward_scale};
 use super::view::{Shown, choose};
-use crate::base::error::{Error, Result, Where};
-use crate::film::frame::Frame;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::frame::Frame;
 use planes::{Planes, Reduce};
 use serde_json::{Value, json};
 

@@ -4,16 +4,16 @@
 //! bits of the upper double of the third kind of light sum of film 0, `_d` … `_f` those of the lower. Columns of zeros are
 //! left out. The attribute `eyebox.shard` says in JSON what the films are and whatever the writer wants to know again.
 
-use crate::base::double_double::Sum;
-use crate::base::error::{Error, Result, Where};
-use crate::base::lpe;
-use crate::film::accumulate::{Components, Film, Light, PlaneKey, Sampling};
-use crate::film::control_variates::{self, Known};
-use crate::film::frame::{Channel, Frame, Meta, Samples};
-use crate::film::kernel_bias;
-use crate::film::rqmc_variance::Evenness;
-use crate::film::unseen::Unseen;
-use crate::output::exr::{read_exr, write_exr};
+use crate::exr::{read_exr, write_exr};
+use eyebox_base::double_double::Sum;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_base::lpe;
+use eyebox_film::accumulate::{Components, Film, Light, PlaneKey, Sampling};
+use eyebox_film::control_variates::{self, Known};
+use eyebox_film::frame::{Channel, Frame, Meta, Samples};
+use eyebox_film::kernel_bias;
+use eyebox_film::rqmc_variance::Evenness;
+use eyebox_film::unseen::Unseen;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::{HashMap, HashSet};
@@ -54,16 +54,16 @@ struct Kind {
     /// Passes that it was to have, where those are more.
     #[serde(default, skip_serializing_if = "is_none")]
     wanted: u64,
-    /// What its passes count in each of the sums of [`crate::film::rqmc_variance`], which says what these are.
+    /// What its passes count in each of the sums of [`eyebox_film::rqmc_variance`], which says what these are.
     surplus: Vec<i64>,
     detail: bool,
     blur: bool,
     /// Pixels have passes of their own.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     adaptive: bool,
-    /// Whole passes and their squares, see [`crate::film::totals`].
+    /// Whole passes and their squares, see [`eyebox_film::totals`].
     totals: Vec<[Sum; 2]>,
-    /// What is known of passes that share wavelengths, see [`crate::film::control_variates`].
+    /// What is known of passes that share wavelengths, see [`eyebox_film::control_variates`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     known: Vec<(u64, Known)>,
     /// What rays from the eye may not have met.
@@ -275,8 +275,8 @@ fn joined(parts: [f32; 6]) -> Option<Sum> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::ids::GroupId;
-    use crate::film::layer::Layer;
+    use eyebox_base::ids::GroupId;
+    use eyebox_film::layer::Layer;
 
     fn film(sampling: Sampling) -> Film {
         let planes = [0, 1].map(|group| PlaneKey { layer: Layer::Forward, group: GroupId(group), takes: 0 });

@@ -4,8 +4,8 @@ use super::leak::{Visibility, brightest, leak_luminance, modulated};
 use super::light_shares::{Rendering, luminance_of};
 use super::luminance::Luminance;
 use super::mix::Recipe;
-use crate::base::error::{Error, Result, Where};
-use crate::base::vision::threshold_ferwerda;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_base::vision::threshold_ferwerda;
 
 /// Gains are looked for below this.
 const MOST_GAIN: f64 = 1e9;

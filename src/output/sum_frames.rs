@@ -2,15 +2,15 @@
 
 use super::light_shares::{PLATE, Rendering, groups_of};
 use super::mix::set_layer;
-use crate::base::error::{Error, Result, Where};
-use crate::film::aov;
-use crate::film::colours::Colours;
-use crate::film::finish::slides;
-use crate::film::frame::{Frame, Meta};
-use crate::film::layer::Layer;
-use crate::film::names::STATED_ERROR;
-use crate::film::variance;
-use crate::output::exr::WHITE_LUMINANCE;
+use crate::exr::WHITE_LUMINANCE;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::aov;
+use eyebox_film::colours::Colours;
+use eyebox_film::finish::slides;
+use eyebox_film::frame::{Frame, Meta};
+use eyebox_film::layer::Layer;
+use eyebox_film::names::STATED_ERROR;
+use eyebox_film::variance;
 use serde_json::Value;
 
 /// Adds up frames that were rendered with different light groups on. Layers are summed, errors are independent, data

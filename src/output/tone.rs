@@ -1,7 +1,7 @@
 //! From cd/m² to what a display shows: the adaptation luminance, Ward's visibility matching, sRGB codes.
 
 use super::field::Field;
-use crate::film::frame::Frame;
+use eyebox_film::frame::Frame;
 
 /// Radius of the part of the field that the fovea sees, degrees: the 2° field of CIE 1931.
 const FOVEA_DEG: f64 = 1.0;
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn three_kinds_of_adaptation() {
-        use crate::film::frame::Meta;
+        use eyebox_film::frame::Meta;
         let mut frame = Frame::new(9, 1);
         // 9 pixels over 18°: the middle one is the fovea's.
         frame.meta.insert("eye".into(), Meta::Text("{\"fov_deg\":18.0}".into()));

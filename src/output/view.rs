@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use crate::base::error::{Error, Result, Where};
-use crate::film::colours::Colours;
-use crate::film::frame::{Channel, Frame};
-use crate::film::sharpness::Sharpness;
-use crate::output::canvas::Canvas;
-use crate::output::false_colour::{draw, scale};
-use crate::output::field::Field;
-use crate::output::glare::{PIGMENT, spread};
-use crate::output::luminance::Luminance;
-use crate::output::tone::{Adaptation, adaptation_luminance, code, srgb_code, ward_scale};
+use crate::canvas::Canvas;
+use crate::false_colour::{draw, scale};
+use crate::field::Field;
+use crate::glare::{PIGMENT, spread};
+use crate::luminance::Luminance;
+use crate::tone::{Adaptation, adaptation_luminance, code, srgb_code, ward_scale};
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::colours::Colours;
+use eyebox_film::frame::{Channel, Frame};
+use eyebox_film::sharpness::Sharpness;
 use glam::DVec3;
 
 /// The pixel where a value is not a number or infinite: a colour that no luminance gets by accident.

@@ -4,12 +4,12 @@
 use super::Asked;
 use super::scan::light::{LightAsked, rendered};
 use super::tuning::adaptation::{CLOSE, MOST_STEPS, PASSES, WIDTH};
-use crate::base::Result;
-use crate::base::vision::{Eyes, pupil_watson_yellott_mm};
-use crate::estimate::ShouldStop;
-use crate::film::frame::Frame;
-use crate::output::luminance::layer_luminance;
-use crate::scene::{Eye, Scene};
+use eyebox_base::Result;
+use eyebox_base::vision::{Eyes, pupil_watson_yellott_mm};
+use eyebox_estimate::ShouldStop;
+use eyebox_film::frame::Frame;
+use eyebox_output::luminance::layer_luminance;
+use eyebox_scene::{Eye, Scene};
 
 /// A pupil, and what it is adapted to.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,11 +4,11 @@
 
 use super::pilots::pilot_resolution::PilotResolution;
 use super::tuning::forecast::{AIM, LARGER_SIDE, MOST_BY_PIXELS, PASSES, SIDE, WORK};
-use crate::base::Result;
-use crate::estimate::run::{Films, Tracing, begin};
-use crate::film::plan::Plan;
-use crate::scene::Scene;
-use crate::world::World;
+use eyebox_base::Result;
+use eyebox_estimate::run::{Films, Tracing, begin};
+use eyebox_film::plan::Plan;
+use eyebox_scene::Scene;
+use eyebox_world::World;
 
 /// Passes and paths to a relative error of 1 %.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -3,17 +3,17 @@
 
 use super::Polarisation;
 use super::tuning::mode::{MATTERS, PROBES_NM};
-use crate::base::rng::{Rng, Stream};
-use crate::check::Checked;
-use crate::estimate::ShouldStop;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Meeting, Met, Travel, Walker};
-use crate::film::plan::{PathMode, Spectral};
-use crate::scene::{Absorption, CoatingLaw, Finish, Scene, Wavelengths};
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, MonoStokes};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_check::Checked;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::walk::{Meeting, Met, Travel, Walker};
+use eyebox_film::plan::{PathMode, Spectral};
+use eyebox_scene::{Absorption, CoatingLaw, Finish, Scene, Wavelengths};
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, MonoStokes};
 use rayon::prelude::*;
 
 /// The mode of a scene, with reasons.

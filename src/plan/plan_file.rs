@@ -1,9 +1,9 @@
 //! The plan as an artefact: everything that was decided before pass 0, with a hash, so that shards and later runs share it.
 
 use super::Asked;
-use crate::base::{Error, Result, Where};
-use crate::film::plan::Plan;
-use crate::scene::Scene;
+use eyebox_base::{Error, Result, Where};
+use eyebox_film::plan::Plan;
+use eyebox_scene::Scene;
 use std::path::Path;
 
 /// A plan and what it was made for.

@@ -6,20 +6,20 @@ use super::pilots::{chains, pupil_guide, reached, shared_faces, sky_guide, split
 use super::selection::facts::{is_connected, own};
 use super::tuning::planner::{ARRIVED, FEWEST_LOOKS, LOOKS, MANY_LOOKS, MISSED, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
 use super::{Asked, Choice, Guides, pilots};
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::check::Checked;
-use crate::estimate::ShouldStop;
-use crate::estimate::backward::Backward;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::photon::visible_receivers::VisibleReceivers;
-use crate::estimate::vision::Hints;
-use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
-use crate::film::specular_chain::Screen;
-use crate::world::World;
-use crate::world::lamp::Lamp;
-use crate::world::mode::Mono;
-use crate::world::surface::Surface;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_check::Checked;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::backward::Backward;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::photon::visible_receivers::VisibleReceivers;
+use eyebox_estimate::vision::Hints;
+use eyebox_film::plan::{Estimator, PathMode, Plan, Row, Verdict};
+use eyebox_film::specular_chain::Screen;
+use eyebox_world::World;
+use eyebox_world::lamp::Lamp;
+use eyebox_world::mode::Mono;
+use eyebox_world::surface::Surface;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What the pilots are run with.

@@ -4,8 +4,8 @@
 use super::motion::{Clock, Motion, Rig};
 use super::value::Value;
 use super::{Mesh, Note, StandardSurface};
-use crate::base::{Code, Shared, Where};
-use glam::{DAffine3, DMat3};
+use eyebox_base::{Code, Shared, Where};
+use glam::{DAffine3, DMat3, DVec3};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -313,6 +313,23 @@ pub enum LightForm {
         scale_cd_m2: f64,
         image: Option<PathBuf>,
     },
+}
+
+impl LightForm {
+    /// Whether a point of the light's own frame lies within its body.
+    pub fn holds(&self, local: DVec3) -> bool {
+        match *self {
+            LightForm::Sphere { radius, .. } => local.length() < radius,
+            LightForm::Cylinder { radius, length, .. } => {
+                local.x.abs() < 0.5 * length && local.y.hypot(local.z) < radius
+            }
+            LightForm::Point { .. }
+            | LightForm::Distant { .. }
+            | LightForm::Dome { .. }
+            | LightForm::Rect { .. }
+            | LightForm::Disk { .. } => false,
+        }
+    }
 }
 
 /// A layer that the asset asks for (USD RenderVar).

@@ -229,7 +229,7 @@ pub struct Kind {
 
 mod rows;
 pub use rows::{EMITTER, FILM, KINDS, MEASURED, MEDIUM, ORDER, PICTURE, ROWS, SKIES, SLIDE, SUN_SKY};
-#[cfg(test)]
+#[cfg(any(test, feature = "testing"))]
 pub mod arbitrary; // random values of the table
 pub mod union; // kinds with parameters
 pub mod usd; // the same rows as USD properties

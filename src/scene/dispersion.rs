@@ -4,7 +4,7 @@ mod formula;
 
 pub use formula::{Formula, FormulaKind};
 
-use crate::base::Complex;
+use eyebox_base::Complex;
 
 /// A dispersion law. Wavelengths are in nm at the surface, in µm inside the formulas; air counts as 1.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]

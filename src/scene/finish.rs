@@ -1,6 +1,6 @@
 //! What a face does with light that meets it.
 
-use crate::base::ids::{GratingId, ScatterId, SurfaceId, WavePlateId};
+use eyebox_base::ids::{GratingId, ScatterId, SurfaceId, WavePlateId};
 use glam::DVec3;
 
 /// Finish of a face. A coating, if any, acts on `Polished` faces.

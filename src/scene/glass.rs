@@ -7,7 +7,7 @@
 pub mod database;
 
 use super::dispersion::{Dispersion, Formula, FormulaKind};
-use crate::base::Complex;
+use eyebox_base::Complex;
 use std::sync::LazyLock;
 
 /// The lines F, d and C, nm, between which catalogues give an Abbe number (ISO 7944).

@@ -1,7 +1,7 @@
 //! Diffraction gratings: parallel planes that cut a face into lines, and the share of light that each order gets.
 
 use super::efficiency_table::{Efficiency, EfficiencyTable, Incidence};
-use crate::base::shared::Shared;
+use eyebox_base::shared::Shared;
 use glam::DVec3;
 
 /// Lines on a face where planes across `direction` cut it.

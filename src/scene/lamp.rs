@@ -1,8 +1,8 @@
 //! Whatever emits: faces, lamps that are no faces, and the sky.
 
 use super::{RaySet, Spectrum};
-use crate::base::Shared;
-use crate::base::ids::{GroupId, PartId, ProfileId, SurfaceId};
+use eyebox_base::Shared;
+use eyebox_base::ids::{GroupId, PartId, ProfileId, SurfaceId};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 

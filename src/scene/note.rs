@@ -1,7 +1,7 @@
 //! What an importer has to say: nothing is repaired, defaulted or ignored silently.
 
-use crate::base::units::significant;
-use crate::base::{Code, Where};
+use eyebox_base::units::significant;
+use eyebox_base::{Code, Where};
 use std::fmt;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]

@@ -1,8 +1,8 @@
 //! Parts: nodes with geometry, and what each of their faces is optically.
 
 use super::{Dispersion, Emitter, Finish, Sensor, Shape};
-use crate::base::colour::uplift_reflectance;
-use crate::base::ids::{CoatingId, MediumId, MeshId, SlideId};
+use eyebox_base::colour::uplift_reflectance;
+use eyebox_base::ids::{CoatingId, MediumId, MeshId, SlideId};
 use glam::DAffine3;
 
 /// What fills a closed solid.

@@ -1,6 +1,6 @@
 //! The colour of a lamp: how its power is spread over the wavelengths.
 
-use crate::base::colour::{
+use eyebox_base::colour::{
     self, COUNT, FIRST_NM, Grid, K_M, LAST_NM, XYZ_TO_REC709, Xyz, apply, grid, integral, lookup, planck,
 };
 use std::fmt;

@@ -1,6 +1,6 @@
 //! Pictures on surfaces: texels, and how a parameter of a surface reads them.
 
-use crate::base::Shared;
+use eyebox_base::Shared;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! A tree of values with their places: TOML, JSON and (later) USD attributes look alike to the attribute readers, and
 //! every error can say where the value stands.
 
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use std::fmt;
 
 /// A value and where it stands in the user's material.

@@ -1,9 +1,9 @@
 //! A baseline: the findings that are known, so that only new ones are shown. `--write-baseline FILE` makes one.
 
 use super::{Located, Report, fingerprint};
-use crate::base::atomic::write_atomic;
-use crate::base::relative_path::folder_of;
-use crate::base::{Error, Result, Where};
+use eyebox_base::atomic::write_atomic;
+use eyebox_base::relative_path::folder_of;
+use eyebox_base::{Error, Result, Where};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

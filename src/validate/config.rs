@@ -1,12 +1,12 @@
 //! `eyebox.toml`: which rules hold, how grave they are, and where.
 
 use super::rules;
-use crate::base::{Error, Result, Where};
-use crate::check::finding::Level;
-use crate::check::rule::Rule;
-use crate::import::select::glob;
-use crate::import::toml;
-use crate::scene::value::Value;
+use eyebox_base::{Error, Result, Where};
+use eyebox_check::finding::Level;
+use eyebox_check::rule::Rule;
+use eyebox_import::select::glob;
+use eyebox_import::toml;
+use eyebox_scene::value::Value;
 use std::path::{Path, PathBuf};
 
 /// The file that is taken where `--config` is not given.
@@ -73,7 +73,7 @@ impl Config {
                 }
                 "exit_zero" => {
                     out.exit_zero = match value.data {
-                        crate::scene::value::Data::Bool(flag) => flag,
+                        eyebox_scene::value::Data::Bool(flag) => flag,
                         _ => return Err(value.wrong("`exit_zero`", "true or false")),
                     }
                 }

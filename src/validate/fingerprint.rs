@@ -2,7 +2,7 @@
 //! is said of it; not its line, which moves with every line above it.
 
 use super::Located;
-use crate::base::relative_path::{folder_of, placed, relative, slashed};
+use eyebox_base::relative_path::{folder_of, placed, relative, slashed};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

@@ -2,8 +2,8 @@
 //! layer of another. A layer that only holds materials is no asset, and whatever is wrong in it is found through the asset
 //! that it belongs to.
 
-use crate::base::{Error, Result, Where};
-use crate::import::{self, files, toml};
+use eyebox_base::{Error, Result, Where};
+use eyebox_import::{files, toml};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -128,7 +128,7 @@ fn layers(asset: &Path) -> BTreeSet<PathBuf> {
         return BTreeSet::new();
     }
     let own = real(asset);
-    let named = import::asset(asset).map(|assembly| assembly.dependencies).unwrap_or_default();
+    let named = eyebox_import::asset(asset).map(|assembly| assembly.dependencies).unwrap_or_default();
     named.iter().map(|file| real(file)).filter(|file| *file != own).collect()
 }
 

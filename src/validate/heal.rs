@@ -1,10 +1,10 @@
 //! Going on past a fault: what is faulty is replaced by something harmless, so that the next fault can be found, too.
 //! Nothing that is made here is ever rendered or written.
 
-use crate::base::{Code, Error, Where};
-use crate::import::toml;
-use crate::scene::assembly::Assembly;
-use crate::scene::value::{Data, Value};
+use eyebox_base::{Code, Error, Where};
+use eyebox_import::toml;
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::value::{Data, Value};
 use std::path::Path;
 
 const EYE: &str = "position = [\"0 mm\", \"0 mm\", \"0 mm\"]\nlook = [0, 0, -1]\nup = [0, 1, 0]\nfov_deg = 12\n";

@@ -1,7 +1,7 @@
 //! The documentation of a rule, for `--explain` and `docs/rules/`, made from the rule itself.
 
 use super::rules;
-use crate::check::rule::{Example, Rule};
+use eyebox_check::rule::{Example, Rule};
 
 /// The page of a rule, Markdown.
 pub fn page(rule: &Rule) -> String {

@@ -1,12 +1,12 @@
 //! An asset as far as it can be read: where something is faulty, it is noted, taken away and the rest is looked at.
 
 use super::heal::heal;
-use crate::base::{Code, Error, Result, Where};
-use crate::check::subject::{Needed, Refusal, Stage};
-use crate::import::{self, ReadOptions, build, dependencies};
-use crate::scene::assembly::Assembly;
-use crate::scene::value::Value;
-use crate::scene::{Eye, Scene, Wavelengths};
+use eyebox_base::{Code, Error, Result, Where};
+use eyebox_check::subject::{Needed, Refusal, Stage};
+use eyebox_import::{ReadOptions, build, dependencies};
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::value::Value;
+use eyebox_scene::{Eye, Scene, Wavelengths};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -46,12 +46,12 @@ pub fn examine(path: &Path, reading: &ReadOptions) -> Examined {
         needed: needed(path),
     };
     let is_toml = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    let readable = if is_toml(path) { import::toml::read(path).err() } else { None };
+    let readable = if is_toml(path) { eyebox_import::toml::read(path).err() } else { None };
     if let Some(fault) = readable {
         out.refusals.push(Refusal { stage: Stage::Sidecar, fault });
         return out;
     }
-    let (assembly, sidecar) = match import::read(path, reading) {
+    let (assembly, sidecar) = match eyebox_import::read(path, reading) {
         Ok(read) => read,
         Err(fault) => {
             // Of an asset, only the sidecar beside it is TOML.
@@ -103,7 +103,7 @@ fn file_of(at: &Where) -> Option<&Path> {
 /// The files that an asset names; none if that can't be told.
 fn needed(path: &Path) -> Vec<Needed> {
     let all = dependencies(path, &ReadOptions::default()).unwrap_or_default();
-    let needed = |d: crate::import::deps::Dependency| Needed {
+    let needed = |d: eyebox_import::deps::Dependency| Needed {
         file: d.file,
         role: d.role,
         at: d.at,
@@ -138,7 +138,7 @@ pub fn no_scene() -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
-            limits: crate::scene::BinocularLimits::default(),
+            limits: eyebox_scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 1.0,
             resolution: [1, 1],

@@ -2,7 +2,7 @@
 //! file of the working directory while it is looked at, where its relative references lead, and is told by its content.
 //! No report names that file.
 
-use crate::base::{Error, Result, Where};
+use eyebox_base::{Error, Result, Where};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 

@@ -2,9 +2,9 @@
 //! density ∝ intensity.
 
 use super::web::Web;
-use crate::base::warp::{self, Frame};
-use crate::scene::LuminousProfile;
-use crate::scene::angular::GaussBeam;
+use eyebox_base::warp::{self, Frame};
+use eyebox_scene::LuminousProfile;
+use eyebox_scene::angular::GaussBeam;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 

@@ -1,6 +1,6 @@
 //! Choosing one of many by weight, and handing the unused part of the random number on.
 
-use crate::base::warp::BELOW_ONE;
+use eyebox_base::warp::BELOW_ONE;
 
 /// A discrete distribution over `0..n` with probabilities proportional to non-negative weights.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,7 +12,7 @@
 use super::geometry::{Geometry, Hit, Site};
 use super::interior::{Solid, outranks};
 use super::surface::{FaceOptics, Surface};
-use crate::scene::Scene;
+use eyebox_scene::Scene;
 use glam::DVec3;
 use std::ops::ControlFlow;
 

@@ -1,9 +1,9 @@
 //! The eye as the tracer uses it, both ways: rays from the pupil, and light that arrives at it (`design/eye.md`).
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where, warp};
-use crate::film::crop::Crop;
-use crate::scene::Eye;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where, warp};
+use eyebox_film::crop::Crop;
+use eyebox_scene::Eye;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 

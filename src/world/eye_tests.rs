@@ -1,6 +1,6 @@
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::base::stats::{Moments, sidak_z};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::stats::{Moments, sidak_z};
 
 fn eye(focus_distance_m: f64) -> Eye {
     let look = DVec3::new(0.6, 0.0, -0.8);
@@ -10,7 +10,7 @@ fn eye(focus_distance_m: f64) -> Eye {
         up: DVec3::Y,
         pupil_diameter_m: 0.3,
         adapts: false,
-        limits: crate::scene::BinocularLimits::default(),
+        limits: eyebox_scene::BinocularLimits::default(),
         focus_distance_m,
         fov_deg: 80.0,
         resolution: [4, 3],

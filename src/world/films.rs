@@ -3,9 +3,9 @@
 use super::fresnel::{PowerSp, fresnel, fresnel_turning, normal_sq};
 use super::stokes::{Amount, Turning};
 use super::thinfilm::{Film, stack, stack_turning};
-use crate::base::Complex;
-use crate::scene::coating::at_angle;
-use crate::scene::{Coating, CoatingLaw};
+use eyebox_base::Complex;
+use eyebox_scene::coating::at_angle;
+use eyebox_scene::{Coating, CoatingLaw};
 
 /// What lies on a face at one wavelength; a bare interface is a stack without films.
 #[derive(Debug, Clone)]
@@ -32,7 +32,7 @@ impl Films {
         match coating.map(|coating| &coating.law) {
             None => Films::Stack { inwards: Vec::new(), outwards: Vec::new() },
             Some(CoatingLaw::Stack(layers)) => {
-                let film = |layer: &crate::scene::FilmLayer| Film {
+                let film = |layer: &eyebox_scene::FilmLayer| Film {
                     n: layer.index.index(nm),
                     thickness_nm: layer.thickness_nm,
                 };
@@ -76,7 +76,7 @@ impl Films {
     }
 }
 
-/// R_s, R_p, T_s, T_p of a table (see [`crate::scene::coating::CoatingTable`]).
+/// R_s, R_p, T_s, T_p of a table (see [`eyebox_scene::coating::CoatingTable`]).
 fn measured(
     outside: &[(f64, [f64; 4])],
     inside: Option<&[(f64, [f64; 2])]>,
@@ -127,8 +127,8 @@ fn straight([r_s, r_p, t_s, t_p]: [f64; 4]) -> Turning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::coating::{CoatingTable, SpectralAngular};
-    use crate::scene::{Dispersion, FilmLayer};
+    use eyebox_scene::coating::{CoatingTable, SpectralAngular};
+    use eyebox_scene::{Dispersion, FilmLayer};
     use proptest::prelude::*;
 
     /// A table made from Fresnel's equations of n = 1.5, at every degree.
@@ -199,7 +199,7 @@ mod tests {
                 for [r, t, a] in [[p.r_s, p.t_s, p.a_s], [p.r_p, p.t_p, p.a_p]] {
                     prop_assert!(r >= 0.0 && t >= 0.0 && a >= -1e-12 && (r + t + a - 1.0).abs() < 1e-12, "{p:?}");
                 }
-                let polarised = films.turning::<crate::world::stokes::Stokes>(n1, n2, cos, entering, nm);
+                let polarised = films.turning::<crate::stokes::Stokes>(n1, n2, cos, entering, nm);
                 prop_assert!(polarised.reflected.re.is_finite() && polarised.transmitted.re.is_finite());
             }
         }

@@ -4,7 +4,7 @@
 //! incidence, between nearly equal indices or just below the critical angle (formula sheet, section 1).
 
 use super::stokes::Turning;
-use crate::base::Complex;
+use eyebox_base::Complex;
 use glam::DVec3;
 
 /// Shares of the incident power per polarisation, each 0..1. The three are computed apart, none as what the others

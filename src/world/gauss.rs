@@ -1,7 +1,7 @@
 //! The Gaussian lobe of a diffuser, and the cosᵐ lobe beside it: normalisation, sampling and albedo
 //! (`design/formulas.md` section 10).
 
-use crate::base::warp::{Frame, cos_n_hemisphere};
+use eyebox_base::warp::{Frame, cos_n_hemisphere};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,10 +1,10 @@
 //! Emission textures: what each place of a lamp has of its light.
 
 use super::texture::{place, read, read_texel};
-use crate::base::colour::luminance;
-use crate::base::warp;
-use crate::scene::texture::{Filter, Texels, TextureInput};
-use crate::scene::{Emitter, Part, Scene};
+use eyebox_base::colour::luminance;
+use eyebox_base::warp;
+use eyebox_scene::texture::{Filter, Texels, TextureInput};
+use eyebox_scene::{Emitter, Part, Scene};
 use glam::DVec2;
 
 /// Places of a triangle at which its mean is taken, and of all triangles together at most.

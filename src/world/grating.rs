@@ -1,7 +1,7 @@
 //! Diffraction at a face: the phase of the light along the face changes by m times that of the grating's lines.
 
-use crate::scene::Orders;
-use crate::scene::efficiency_table::Incidence;
+use eyebox_scene::Orders;
+use eyebox_scene::efficiency_table::Incidence;
 use glam::DVec3;
 
 /// A grating as the tracer asks it.
@@ -16,7 +16,7 @@ pub struct Grating {
 }
 
 impl Grating {
-    pub fn new(grating: &crate::scene::Grating) -> Grating {
+    pub fn new(grating: &eyebox_scene::Grating) -> Grating {
         Grating {
             direction: grating.direction.normalize_or_zero(),
             per_nm: grating.lines_per_mm * 1e-6,

@@ -4,12 +4,12 @@ use super::beam::Beam;
 use super::cdf::Cdf;
 use super::glow::Glow;
 use super::veil::Veil;
-use crate::base::error::Result;
-use crate::base::ids::GroupId;
-use crate::base::warp;
-use crate::base::{Code, Error, Where};
-use crate::scene::angular::GaussBeam;
-use crate::scene::{Angular, Emitter, Part, Photometry, Scene};
+use eyebox_base::error::Result;
+use eyebox_base::ids::GroupId;
+use eyebox_base::warp;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::angular::GaussBeam;
+use eyebox_scene::{Angular, Emitter, Part, Photometry, Scene};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 

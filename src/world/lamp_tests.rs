@@ -1,9 +1,9 @@
 use super::*;
-use crate::base::ids::MeshId;
-use crate::base::rng::{Rng, Stream};
-use crate::base::stats::Moments;
-use crate::base::warp::Frame;
-use crate::scene::{Eye, Face, FaceRange, Finish, Mesh, Shape, Wavelengths};
+use eyebox_base::ids::MeshId;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::stats::Moments;
+use eyebox_base::warp::Frame;
+use eyebox_scene::{Eye, Face, FaceRange, Finish, Mesh, Shape, Wavelengths};
 use glam::DMat3;
 use std::f64::consts::PI;
 
@@ -65,7 +65,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.004,
             adapts: false,
-            limits: crate::scene::BinocularLimits::default(),
+            limits: eyebox_scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 10.0,
             resolution: [1, 1],
@@ -212,10 +212,10 @@ fn dark_or_no_lamps_give_no_pick() {
 }
 
 /// A profile for tests: 3 planes and 4 rings, nothing alike, with light behind too.
-fn web() -> crate::scene::LuminousProfile {
-    crate::scene::LuminousProfile {
+fn web() -> eyebox_scene::LuminousProfile {
+    eyebox_scene::LuminousProfile {
         file: "w.ies".into(),
-        axes: crate::scene::LuminousProfile::TYPE_C,
+        axes: eyebox_scene::LuminousProfile::TYPE_C,
         c_rad: vec![0.0, 1.0, 3.5, 2.0 * PI],
         gamma_rad: vec![0.0, 0.4, 1.3, 2.5],
         candela: vec![9.0, 7.0, 2.0, 0.5, 9.0, 3.0, 1.0, 0.0, 9.0, 8.0, 5.0, 1.0, 9.0, 7.0, 2.0, 0.5],
@@ -226,7 +226,7 @@ fn web() -> crate::scene::LuminousProfile {
 /// Sums over a fine grid of directions: flux, density and luminance agree, and directions turn with u.
 #[test]
 fn beams_of_all_kinds_carry_their_flux() {
-    let profile = crate::base::ids::ProfileId(0);
+    let profile = eyebox_base::ids::ProfileId(0);
     let normal = DVec3::new(2.0, -1.0, 2.0) / 3.0;
     let front = web().front();
     for (photometry, angular, flux) in [

@@ -2,11 +2,11 @@
 
 use super::ray_lamp::RayLamp;
 use super::web::Web;
-use crate::base::error::Result;
-use crate::base::ids::GroupId;
-use crate::base::warp::{self, Frame};
-use crate::base::{Error, Where};
-use crate::scene::{Beacon, BeaconForm, Scene};
+use eyebox_base::error::Result;
+use eyebox_base::ids::GroupId;
+use eyebox_base::warp::{self, Frame};
+use eyebox_base::{Error, Where};
+use eyebox_scene::{Beacon, BeaconForm, Scene};
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 

@@ -7,8 +7,8 @@ use super::films::Films;
 use super::mode::{LaneArray, Mode, Spectral, lanes};
 use super::sky::SkyLight;
 use super::slide::SlideMap;
-use crate::film::accumulate::Light;
-use crate::scene::Medium;
+use eyebox_film::accumulate::Light;
+use eyebox_scene::Medium;
 use glam::DVec3;
 
 /// Optical constants of a world in the lanes of a mode.

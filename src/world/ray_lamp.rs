@@ -1,9 +1,9 @@
 //! The rays of a file in the world: where they start, and their way out of the part that they leave.
 
 use super::geometry::{Geometry, Ray};
-use crate::base::error::Result;
-use crate::base::{Error, Shared, Where};
-use crate::scene::{RaySet, Scene};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Shared, Where};
+use eyebox_scene::{RaySet, Scene};
 use glam::{DMat3, DVec3};
 
 /// Rays of a file that leave a part.

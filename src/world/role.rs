@@ -4,7 +4,7 @@ use super::World;
 use super::films::Films;
 use super::scatter::Scatter;
 use super::surface::{FaceOptics, Surface};
-use crate::scene::{FaceRange, Mesh, Part, Scene, Shape};
+use eyebox_scene::{FaceRange, Mesh, Part, Scene, Shape};
 use glam::Vec3;
 
 /// The optical role of a face.

@@ -5,8 +5,8 @@ use super::contact::{TOUCHING, grain};
 use super::geometry::Geometry;
 use super::rim::{Edge, Rim};
 use super::surface::{FaceOptics, Surface};
-use crate::scene::Scene;
 use arrayvec::ArrayVec;
+use eyebox_scene::Scene;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 

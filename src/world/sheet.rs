@@ -2,8 +2,8 @@
 
 use super::fresnel::PowerSp;
 use super::stokes::Turning;
-use crate::base::complex::Complex;
-use crate::scene::WavePlate;
+use eyebox_base::complex::Complex;
+use eyebox_scene::WavePlate;
 use glam::DVec3;
 use std::f64::consts::TAU;
 

@@ -3,10 +3,10 @@
 pub mod footprint;
 
 use super::cdf::{Cdf, within};
-use crate::base::error::Result;
-use crate::base::ids::GroupId;
-use crate::base::{Error, Where};
-use crate::scene::Sky;
+use eyebox_base::error::Result;
+use eyebox_base::ids::GroupId;
+use eyebox_base::{Error, Where};
+use eyebox_scene::Sky;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -184,9 +184,9 @@ fn row_cosines(y: usize, height: usize) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
-    use crate::base::stats::Moments;
-    use crate::base::warp;
+    use eyebox_base::rng::{Rng, Stream};
+    use eyebox_base::stats::Moments;
+    use eyebox_base::warp;
     use glam::DQuat;
 
     fn sky(width: usize, height: usize, to_world: DMat3, luminance: impl Fn(usize, usize) -> f32) -> SkyLight {

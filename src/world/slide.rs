@@ -5,9 +5,9 @@ pub mod footprint;
 pub mod jump;
 pub mod texels;
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::Slide;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::Slide;
 use glam::DVec3;
 use std::sync::Arc;
 

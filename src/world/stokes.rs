@@ -10,7 +10,7 @@
 //! transposed matrix, with the sign of y turned over twice.
 
 use super::fresnel::PowerSp;
-use crate::base::Complex;
+use eyebox_base::Complex;
 use glam::DVec3;
 use std::fmt::Debug;
 

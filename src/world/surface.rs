@@ -6,10 +6,10 @@ use super::grating::Grating;
 use super::scatter::{Lost, Measured, Principled, Rough, Scatter};
 use super::sheet::{ReflectivePolariser, Sheet};
 use super::stokes::{Amount, Turning};
-use crate::base::complex::Complex;
-use crate::base::ids::ScatterId;
-use crate::base::{Code, Error, Result, Where};
-use crate::scene::{Face, Finish, Medium, Part, Scene, Shape, Wavelengths};
+use eyebox_base::complex::Complex;
+use eyebox_base::ids::ScatterId;
+use eyebox_base::{Code, Error, Result, Where};
+use eyebox_scene::{Face, Finish, Medium, Part, Scene, Shape, Wavelengths};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 //!
 //! A pixel's paths lie anywhere in it, so that what a texture shows within a pixel is averaged by them.
 
-use crate::scene::texture::{Encoding, Filter, Texels, TextureInput, Wrap};
-use crate::scene::{Colour, Scalar};
+use eyebox_scene::texture::{Encoding, Filter, Texels, TextureInput, Wrap};
+use eyebox_scene::{Colour, Scalar};
 use std::sync::LazyLock;
 
 /// Light of the 256 values of a byte, by the curve of IEC 61966-2-1.
@@ -117,25 +117,21 @@ pub fn of_set(input: &TextureInput, uv: &Coordinates) -> [f64; 2] {
     uv[usize::from(input.set > 0)]
 }
 
-impl Scalar {
-    /// At these texture coordinates.
-    pub fn at(&self, uv: &Coordinates) -> f64 {
-        match &self.texture {
-            None => self.factor,
-            Some((input, channel)) => self.factor * channel.of(read(input, of_set(input, uv))),
-        }
+/// A number of a surface at these texture coordinates.
+pub fn scalar_at(scalar: &Scalar, uv: &Coordinates) -> f64 {
+    match &scalar.texture {
+        None => scalar.factor,
+        Some((input, channel)) => scalar.factor * channel.of(read(input, of_set(input, uv))),
     }
 }
 
-impl Colour {
-    /// At these texture coordinates, linear Rec.709.
-    pub fn at(&self, uv: &Coordinates) -> [f64; 3] {
-        match &self.texture {
-            None => self.factor,
-            Some(input) => {
-                let found = read(input, of_set(input, uv));
-                std::array::from_fn(|c| self.factor[c] * found[c])
-            }
+/// A colour of a surface at these texture coordinates, linear Rec.709.
+pub fn colour_at(colour: &Colour, uv: &Coordinates) -> [f64; 3] {
+    match &colour.texture {
+        None => colour.factor,
+        Some(input) => {
+            let found = read(input, of_set(input, uv));
+            std::array::from_fn(|c| colour.factor[c] * found[c])
         }
     }
 }
@@ -143,9 +139,9 @@ impl Colour {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::Shared;
-    use crate::scene::Texture;
-    use crate::scene::texture::Channel;
+    use eyebox_base::Shared;
+    use eyebox_scene::Texture;
+    use eyebox_scene::texture::Channel;
     use std::sync::Arc;
 
     fn input(wrap: Wrap, filter: Filter) -> TextureInput {

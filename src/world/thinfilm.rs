@@ -8,7 +8,7 @@
 
 use super::fresnel::{PowerSp, fresnel, fresnel_turning, normal_sq, normal_sq_complex};
 use super::stokes::Turning;
-use crate::base::Complex;
+use eyebox_base::Complex;
 
 /// One layer: index n + ik (k ≥ 0, not zero) at the wavelength in use, thickness in nm (≥ 0).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! The colours of a world's lamps: spectra per lumen, worked out once.
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::{PowerDistribution, Scene, Spectrum, Wavelengths};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{PowerDistribution, Scene, Spectrum, Wavelengths};
 
 /// Power per nm and lumen of each lamp and light; empty where one wavelength is traced.
 #[derive(Debug, Clone, Default)]

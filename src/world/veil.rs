@@ -5,10 +5,10 @@ use super::geometry::{Hit, Site};
 use super::glow::{Glow, places};
 use super::lamp::LampPoint;
 use super::scatter::Principled;
-use crate::base::colour::luminance;
-use crate::base::ids::SurfaceId;
-use crate::base::warp::Frame;
-use crate::scene::{Opacity, Part, Scene, StandardSurface};
+use eyebox_base::colour::luminance;
+use eyebox_base::ids::SurfaceId;
+use eyebox_base::warp::Frame;
+use eyebox_scene::{Opacity, Part, Scene, StandardSurface};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The least mean of an opacity that is not the same everywhere: a hole too small for all the places that are looked at still

@@ -4,10 +4,10 @@ use super::World;
 use super::mode::{self, Hero, Mode};
 use super::optics::Lighting;
 use super::stokes::Amount;
-use crate::base::colour::{self, COUNT, FIRST_NM, Grid, Lane};
-use crate::base::rng::{Rng, Stream};
-use crate::film::control_variates::Known;
-use crate::scene::PowerDistribution;
+use eyebox_base::colour::{self, COUNT, FIRST_NM, Grid, Lane};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_film::control_variates::Known;
+use eyebox_scene::PowerDistribution;
 
 const LANES: usize = <Hero as Mode>::LANES;
 /// Wavelengths by which the mean over all is found.

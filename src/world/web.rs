@@ -1,7 +1,7 @@
 //! Directions from a measured intensity distribution, with density exactly ∝ the bilinear intensity.
 
-use crate::scene::LuminousProfile;
-use crate::scene::profile::band;
+use eyebox_scene::LuminousProfile;
+use eyebox_scene::profile::band;
 use glam::DVec3;
 
 /// A profile with the sums that sampling needs. The marginal over γ has the density (∫ I dC) sin γ, where ∫ I dC is

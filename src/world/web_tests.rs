@@ -1,6 +1,6 @@
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::import::photometric;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_import::photometric;
 use std::path::Path;
 
 const GOOD: [&str; 12] = [
@@ -19,8 +19,8 @@ const GOOD: [&str; 12] = [
 ];
 
 fn read(name: &str) -> LuminousProfile {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/07_ies/good").join(name);
-    photometric::profile(&file, &crate::base::Where::Nowhere, &mut Vec::new()).unwrap()
+    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data/07_ies/good").join(name);
+    photometric::profile(&file, &eyebox_base::Where::Nowhere, &mut Vec::new()).unwrap()
 }
 
 /// chi² of a million samples of each file over 36 × 18 cells that do not follow its grid; expected numbers from a sum of

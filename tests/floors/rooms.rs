@@ -1,6 +1,6 @@
 //! No import circle leads from one room into another and back: each room can be read, and moved, for itself.
 //!
-//! A room is a folder one or two levels below a floor; the file or `mod.rs` of the same name is its front. A room holds the
+//! A room is a folder one or two levels below a floor; the file or `mod.rs` of the same name, of a floor `lib.rs`, is its front. A room holds the
 //! rooms below it, so that front and contents may name each other. Circles within one room are allowed.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,6 +9,9 @@ use syn::visit::{self, Visit};
 
 /// A module, from the floor down.
 type Module = Vec<String>;
+
+/// Floors that are modules of the root crate.
+const OF_PROGRAM: [&str; 4] = ["cmd", "prelude", "lib", "main"];
 
 /// What one file names, as paths from the crate's root, and the modules that only tests have.
 struct Names {
@@ -21,7 +24,12 @@ impl Names {
     fn add(&mut self, path: &[String]) {
         let ups = path.iter().take_while(|part| *part == "super").count();
         let (from, rest) = match path.first().map(String::as_str) {
-            Some("crate") => (Vec::new(), path.get(1..)),
+            // Each floor is a crate, but for those of the program, which sees the others as its own modules.
+            Some("crate") if OF_PROGRAM.contains(&self.here[0].as_str()) => (Vec::new(), path.get(1..)),
+            Some("crate") => (self.here[..1].to_vec(), path.get(1..)),
+            Some(floor) if floor.starts_with("eyebox_") => {
+                (vec![floor.trim_start_matches("eyebox_").to_owned()], path.get(1..))
+            }
             Some("super") => (self.here[..self.here.len().saturating_sub(ups)].to_vec(), path.get(ups..)),
             Some("self") => (self.here.clone(), path.get(1..)),
             Some(_) => (self.here.clone(), Some(path)),
@@ -44,7 +52,8 @@ impl Names {
 
 fn is_for_tests(attributes: &[syn::Attribute]) -> bool {
     attributes.iter().any(|attribute| {
-        attribute.path().is_ident("cfg") && attribute.parse_args::<syn::Ident>().is_ok_and(|word| word == "test")
+        attribute.path().is_ident("cfg")
+            && matches!(&attribute.meta, syn::Meta::List(list) if list.tokens.to_string().contains("test"))
     })
 }
 
@@ -122,7 +131,7 @@ fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> BTreeSet<String> {
 fn module_of(relative: &Path) -> Module {
     let mut parts: Module =
         relative.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect();
-    if parts.last().is_some_and(|last| last == "mod") {
+    if parts.last().is_some_and(|last| last == "mod") || (parts.len() == 2 && parts[1] == "lib") {
         parts.pop();
     }
     parts
@@ -147,10 +156,10 @@ fn the_test_finds_a_planted_circle() {
         texts.iter().map(|(path, text)| (module_of(Path::new(path)), (*text).to_owned())).collect()
     };
     let there = ("plan/a/mod.rs", "pub mod x;");
-    let from = ("plan/a/x.rs", "use crate::plan::b::{y::Y};");
+    let from = ("plan/a/x.rs", "use crate::b::{y::Y};");
     let planted = files(&[there, from, ("plan/b.rs", "mod y;"), ("plan/b/y.rs", "fn f() { super::super::a::x::g() }")]);
     assert_eq!(circles(&imports(&planted)), BTreeSet::from(["plan/a plan/b".to_owned()]));
-    let only_tests = "#[cfg(test)] mod tests { use crate::plan::a::x; }";
+    let only_tests = "#[cfg(test)] mod tests { use crate::a::x; }";
     let open = files(&[there, from, ("plan/b.rs", "mod y;"), ("plan/b/y.rs", only_tests)]);
     assert!(circles(&imports(&open)).is_empty());
 }

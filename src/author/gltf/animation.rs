@@ -2,9 +2,9 @@
 
 use super::super::tracks::{self, SCALE, TRANSLATION};
 use super::document::Document;
-use crate::base::Where;
-use crate::scene::assembly::Assembly;
-use crate::scene::motion::{Motion, Parts, parts};
+use eyebox_base::Where;
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::motion::{Motion, Parts, parts};
 use glam::DAffine3;
 use serde_json::{Map, Value as Json, json};
 

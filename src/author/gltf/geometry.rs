@@ -4,10 +4,10 @@
 use super::super::tracks;
 use super::document::Document;
 use super::value::{self, OPTICS};
-use crate::base::Error;
-use crate::base::error::Result;
-use crate::scene::assembly::{Assembly, MeshSource};
-use crate::scene::motion::{MeshMotion, Motion, Skin, Vertices};
+use eyebox_base::Error;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::{Assembly, MeshSource};
+use eyebox_scene::motion::{MeshMotion, Motion, Skin, Vertices};
 use serde_json::{Value as Json, json};
 
 /// The shapes of a mesh beside the one that is written.

@@ -3,9 +3,9 @@
 
 use super::document::Document;
 use super::value::{self, OPTICS};
-use crate::base::error::Result;
-use crate::scene::assembly::{Assembly, LightForm, LightSource};
-use crate::scene::light_shapes;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::{Assembly, LightForm, LightSource};
+use eyebox_scene::light_shapes;
 use serde_json::{Value as Json, json};
 
 /// Puts the light on its node, or on a new node below it where that has a mesh already. New nodes come after all that are there.

@@ -2,10 +2,10 @@
 
 use super::document::Document;
 use super::value;
-use crate::base::error::Result;
-use crate::base::relative_path::{folder_of, relative, slashed};
-use crate::scene::assembly::{Assembly, Camera, Film, Frustum, LightForm, LightSource};
-use crate::scene::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::relative_path::{folder_of, relative, slashed};
+use eyebox_scene::assembly::{Assembly, Camera, Film, Frustum, LightForm, LightSource};
+use eyebox_scene::value::{Data, Value};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 

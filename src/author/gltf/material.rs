@@ -3,10 +3,10 @@
 use super::document::Document;
 use super::surface::{Fields, Looks};
 use super::value::{self, OPTICS};
-use crate::base::colour::luminance;
-use crate::base::error::Result;
-use crate::scene::assembly::{Assembly, Material, MeshSource};
-use crate::scene::value::{Data, Value};
+use eyebox_base::colour::luminance;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::{Assembly, Material, MeshSource};
+use eyebox_scene::value::{Data, Value};
 use serde_json::{Map, Value as Json, json};
 
 /// The glTF material of material `index`, which is there: what the reader of glTF maps from the ratified extensions goes back into them.

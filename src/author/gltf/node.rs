@@ -7,10 +7,10 @@ use super::lamp;
 use super::light::{self, PUNCTUAL};
 use super::skin::Skins;
 use super::value::{self, OPTICS};
-use crate::base::error::Result;
-use crate::scene::assembly::{Assembly, Node};
-use crate::scene::motion::parts;
-use crate::scene::value::Value;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::{Assembly, Node};
+use eyebox_scene::motion::parts;
+use eyebox_scene::value::Value;
 use glam::{DAffine3, DMat3};
 use serde_json::{Map, Value as Json, json};
 
@@ -35,7 +35,7 @@ pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>>
         }
     }
     if !depth_first(&roots, &children) {
-        let at = crate::base::Where::file(&assembly.file);
+        let at = eyebox_base::Where::file(&assembly.file);
         document.note(&at, "the parts come back in another order: glTF is read depth first".into());
     }
     let cameras = cameras(document, assembly)?;
@@ -195,7 +195,7 @@ fn cameras(document: &mut Document, assembly: &Assembly) -> Result<Vec<Option<us
                 document.cameras.push(light::camera(camera, unit(assembly))?);
             }
             None => {
-                let at = crate::base::Where::file(&assembly.file);
+                let at = eyebox_base::Where::file(&assembly.file);
                 document.note(
                     &at,
                     format!("camera `{}` is on no node, or shares its node with another: not written", camera.name),

@@ -4,8 +4,8 @@
 use super::animation::Animation;
 use super::document::Document;
 use super::node::matrix;
-use crate::scene::assembly::Assembly;
-use crate::scene::motion::{Joint, is_alike, locals};
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::motion::{Joint, is_alike, locals};
 use glam::DAffine3;
 use serde_json::{Value as Json, json};
 

@@ -5,10 +5,10 @@
 use super::document::Document;
 use super::texture::Reading;
 use super::value;
-use crate::scene::assembly::{Assembly, Material};
-use crate::scene::texture::Channel;
-use crate::scene::value::{Data, Value};
-use crate::scene::{
+use eyebox_scene::assembly::{Assembly, Material};
+use eyebox_scene::texture::Channel;
+use eyebox_scene::value::{Data, Value};
+use eyebox_scene::{
     Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface, TextureInput,
 };
 use serde_json::{Map, Value as Json, json};

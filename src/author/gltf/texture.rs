@@ -4,11 +4,11 @@ use super::super::picture::{self, Encoded, Kind, Names};
 use super::document::Document;
 use super::uri;
 use super::value;
-use crate::base::Where;
-use crate::scene::TextureInput;
-use crate::scene::assembly::Assembly;
-use crate::scene::texture::PictureKey;
-use crate::scene::texture::{Channel, Encoding, Filter, Texture, Wrap};
+use eyebox_base::Where;
+use eyebox_scene::TextureInput;
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::texture::PictureKey;
+use eyebox_scene::texture::{Channel, Encoding, Filter, Texture, Wrap};
 use serde_json::{Map, Value as Json, json};
 use std::collections::HashMap;
 

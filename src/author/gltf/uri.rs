@@ -1,6 +1,6 @@
 //! File names as URI references (RFC 3986).
 
-use crate::base::relative_path::{relative, slashed};
+use eyebox_base::relative_path::{relative, slashed};
 use std::path::Path;
 
 /// What stands before a URI that is relative to the folder `from` to make it relative to `to`: `../models/`, or nothing.

@@ -1,8 +1,8 @@
 //! Attributes as JSON. Every number comes back with the same bits; whole ones are written as integers.
 
-use crate::base::Error;
-use crate::base::error::Result;
-use crate::scene::value::{Data, Value};
+use eyebox_base::Error;
+use eyebox_base::error::Result;
+use eyebox_scene::value::{Data, Value};
 use serde_json::{Map, Number, Value as Json};
 
 /// The name of our extension.

@@ -1,6 +1,6 @@
 //! Which attributes stand together.
 
-use crate::scene::attribute::{self, MEDIUM, Noun, Row};
+use eyebox_scene::attribute::{self, MEDIUM, Noun, Row};
 
 /// The attributes of a face, by the nouns that have a row of their own name.
 pub const FACE: [Noun; 6] = [Noun::Finish, Noun::Coating, Noun::Shape, Noun::Emitter, Noun::Slide, Noun::Sensor];

@@ -2,7 +2,7 @@
 
 use super::face::{FACE, faces, holder, list, medium};
 use super::json::{Carrier, object, pretty, properties, row, selectors, whole};
-use crate::scene::attribute::{Form, Noun, Row};
+use eyebox_scene::attribute::{Form, Noun, Row};
 use serde_json::{Map, Value, json};
 
 const FOLDER: &str = "schemas/gltf/EYEBOX_optics/schema";

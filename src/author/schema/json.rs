@@ -1,6 +1,6 @@
 //! A row's values as JSON Schema 2020-12.
 
-use crate::scene::attribute::{self, Form, Noun, Range, Row, Support, kinds, named};
+use eyebox_scene::attribute::{self, Form, Noun, Range, Row, Support, kinds, named};
 use serde_json::{Map, Value, json};
 
 /// How tables are closed and how things are referred to differs between the carriers.

@@ -1,7 +1,7 @@
 //! The specification of the glTF extension, in the form of Khronos' vendor extensions.
 
 use super::face::{FACE, faces, holder, list, medium};
-use crate::scene::attribute::{Form, Noun, Range, Row, Support, kinds, rows};
+use eyebox_scene::attribute::{Form, Noun, Range, Row, Support, kinds, rows};
 
 const HEAD: &str = r#"# EYEBOX\_optics
 

@@ -2,7 +2,7 @@
 
 use super::face::{faces, medium};
 use super::json::{Carrier, object, pretty, properties, row, selectors, whole};
-use crate::scene::attribute::{MEDIUM, Noun, Row, row as find};
+use eyebox_scene::attribute::{MEDIUM, Noun, Row, row as find};
 use serde_json::{Map, Value, json};
 
 pub fn text() -> String {

@@ -2,8 +2,8 @@
 //! `PXR_PLUGINPATH_NAME`. No property has a fallback: what an asset doesn't say stays unsaid.
 
 use super::face::FACE;
-use crate::scene::attribute::Noun;
-use crate::scene::attribute::usd::{NAMESPACE, Property, UsdType, properties};
+use eyebox_scene::attribute::Noun;
+use eyebox_scene::attribute::usd::{NAMESPACE, Property, UsdType, properties};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 
@@ -64,7 +64,7 @@ fn classes() -> Vec<Class> {
 /// A property that says which faces are meant.
 fn selector(name: &str, ty: UsdType, doc: &str) -> Property {
     let tokens = if ty == UsdType::Token { vec!["+x", "-x", "+y", "-y", "+z", "-z"] } else { Vec::new() };
-    let row = &crate::scene::attribute::ROWS[0];
+    let row = &eyebox_scene::attribute::ROWS[0];
     Property { name: name.to_owned(), ty, row, tokens, doc: doc.to_owned() }
 }
 

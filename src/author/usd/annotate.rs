@@ -4,15 +4,15 @@
 
 use super::layer::{Datum, Layer, Prim, Property, Specifier};
 use super::{Kind, bytes, optics, stage};
-use crate::author::Written;
-use crate::base::atomic::write_atomic;
-use crate::base::error::Result;
-use crate::base::relative_path::folder_of;
-use crate::base::{Error, Where};
-use crate::scene::annotation::Annotation;
-use crate::scene::assembly::{Assembly, StageFacts};
-use crate::scene::attribute::usd::UsdProperty;
-use crate::scene::value::Value;
+use crate::Written;
+use eyebox_base::atomic::write_atomic;
+use eyebox_base::error::Result;
+use eyebox_base::relative_path::folder_of;
+use eyebox_base::{Error, Where};
+use eyebox_scene::annotation::Annotation;
+use eyebox_scene::assembly::{Assembly, StageFacts};
+use eyebox_scene::attribute::usd::UsdProperty;
+use eyebox_scene::value::Value;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! A layer as a `.usdc` crate or inside a `.usdz` package, through `openusd`.
 
 use super::layer::{Body, Datum, Layer, Prim, Property, Specifier};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use openusd::gf;
 use openusd::sdf::{self, ChildrenKey, Data, FieldKey, Path as SdfPath, SpecData, SpecType, Value};
 use openusd::tf::Token;

@@ -5,8 +5,8 @@ use super::layer::{Datum, Prim, Property};
 use super::name::Siblings;
 use super::optics;
 use super::stage::{Writing, matrix, named};
-use crate::base::error::Result;
-use crate::scene::assembly::{Camera, Film, Frustum, LightForm, LightSource, ProfileSource};
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::{Camera, Film, Frustum, LightForm, LightSource, ProfileSource};
 
 /// The focal length of a lens for film of 36 mm × 24 mm that everybody knows, m.
 const USUAL_M: f64 = 0.05;
@@ -167,7 +167,7 @@ pub(super) fn camera(
 ) -> Result<()> {
     if !camera.to_world.is_finite() {
         let what = format!("the place of camera `{}` is not finite", camera.name);
-        return Err(writing.fault(&crate::base::Where::Nowhere, what));
+        return Err(writing.fault(&eyebox_base::Where::Nowhere, what));
     }
     let mut prim = Prim::def(depth, "Camera", siblings.name(&camera.name, "Camera"));
     named(&mut prim, &camera.name);

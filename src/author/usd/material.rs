@@ -10,11 +10,11 @@ use super::open_pbr::{self, Optics};
 use super::picture::Pictures;
 use super::stage::{Writing, named};
 use super::{optics, preview};
-use crate::base::colour::luminance;
-use crate::base::error::Result;
-use crate::scene::assembly::{Assembly, Material};
-use crate::scene::value::{Data, Value};
-use crate::scene::{Colour, Opacity, Scalar, StandardSurface};
+use eyebox_base::colour::luminance;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::{Assembly, Material};
+use eyebox_scene::value::{Data, Value};
+use eyebox_scene::{Colour, Opacity, Scalar, StandardSurface};
 
 /// Binds material `index` to a prim.
 ///
@@ -22,7 +22,7 @@ use crate::scene::{Colour, Opacity, Scalar, StandardSurface};
 /// There is no such material.
 pub(super) fn bind(writing: &Writing<'_>, index: usize, prim: &mut Prim) -> Result<()> {
     let Some(path) = writing.materials.get(index) else {
-        return Err(writing.fault(&crate::base::Where::Nowhere, format!("there is no material {index}")));
+        return Err(writing.fault(&eyebox_base::Where::Nowhere, format!("there is no material {index}")));
     };
     prim.apply("MaterialBindingAPI");
     prim.push(Property::relationship("material:binding", vec![path.clone()]));

@@ -4,9 +4,9 @@ use super::layer::{Datum, Prim, Property};
 use super::name::Siblings;
 use super::stage::{Writing, named};
 use super::{material, optics, samples, skel};
-use crate::base::error::Result;
-use crate::scene::assembly::MeshSource;
-use crate::scene::motion::Vertices;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::MeshSource;
+use eyebox_scene::motion::Vertices;
 use std::collections::BTreeSet;
 
 /// The family of subsets that are CAD faces; where they have materials of their own, USD wants its own word.

@@ -29,11 +29,11 @@ mod tests;
 pub use annotate::annotate;
 
 use super::Written;
-use crate::base::atomic::write_atomic;
-use crate::base::error::Result;
-use crate::base::relative_path::folder_of;
-use crate::base::{Error, Where};
-use crate::scene::assembly::Assembly;
+use eyebox_base::atomic::write_atomic;
+use eyebox_base::error::Result;
+use eyebox_base::relative_path::folder_of;
+use eyebox_base::{Error, Where};
+use eyebox_scene::assembly::Assembly;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;

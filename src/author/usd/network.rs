@@ -3,9 +3,9 @@
 use super::layer::{Datum, Prim, Property};
 use super::name::Siblings;
 use super::picture::Pictures;
-use crate::scene::TextureInput;
-use crate::scene::assembly::{Assembly, Material};
-use crate::scene::texture::Encoding;
+use eyebox_scene::TextureInput;
+use eyebox_scene::assembly::{Assembly, Material};
+use eyebox_scene::texture::Encoding;
 
 /// The nodes of one material so far.
 pub struct Network<'a> {

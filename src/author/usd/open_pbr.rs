@@ -4,9 +4,9 @@
 use super::layer::{Datum, Prim, Property};
 use super::network::{Network, Output, Source, pair, set_name, single, triple};
 use super::preview::Glow;
-use crate::base::colour::luminance;
-use crate::scene::texture::{Channel, Encoding, Filter, TextureInput, Wrap};
-use crate::scene::{AnisotropyLaw, CoatNormal, Colour, Opacity, Scalar, StandardSurface};
+use eyebox_base::colour::luminance;
+use eyebox_scene::texture::{Channel, Encoding, Filter, TextureInput, Wrap};
+use eyebox_scene::{AnisotropyLaw, CoatNormal, Colour, Opacity, Scalar, StandardSurface};
 
 /// What a material says beside its looks.
 #[derive(Debug, Clone, Copy, Default)]

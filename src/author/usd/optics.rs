@@ -2,12 +2,12 @@
 
 use super::layer::{Datum, Prim, Property};
 use super::stage::Writing;
-use crate::base::error::Result;
-use crate::base::relative_path::{relative, slashed};
-use crate::base::{Error, Where};
-use crate::scene::assembly::Assembly;
-use crate::scene::attribute::usd::{UsdProperty, UsdValue, flatten};
-use crate::scene::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::relative_path::{relative, slashed};
+use eyebox_base::{Error, Where};
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::attribute::usd::{UsdProperty, UsdValue, flatten};
+use eyebox_scene::value::{Data, Value};
 use std::path::Path;
 
 /// The lists of the asset's root that attributes refer to.

@@ -2,8 +2,8 @@
 
 use super::layer::{Body, Datum, Layer};
 use super::picture::TILE;
-use crate::base::error::Result;
-use crate::base::{Error, Where, package};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where, package};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub(super) fn take(
     at: &Path,
     known: &HashMap<String, Arc<Vec<u8>>>,
 ) -> Result<Vec<(String, Vec<u8>)>> {
-    let folder = crate::base::relative_path::folder_of(at);
+    let folder = eyebox_base::relative_path::folder_of(at);
     let mut taken = Taken { known, entries: Vec::new(), by_file: HashMap::new(), names: HashSet::new() };
     for property in layer.prims.iter_mut().flat_map(|prim| &mut prim.properties) {
         match &mut property.body {
@@ -112,9 +112,9 @@ impl Taken<'_> {
 mod tests {
     use super::super::tests::add;
     use super::super::write;
-    use crate::base::Where;
-    use crate::scene::assembly::{Assembly, LightForm, LightSource};
-    use crate::scene::value::{Data, Value};
+    use eyebox_base::Where;
+    use eyebox_scene::assembly::{Assembly, LightForm, LightSource};
+    use eyebox_scene::value::{Data, Value};
     use glam::DAffine3;
     use openusd::sdf::{AbstractData, Path as SdfPath, Value as V};
 

@@ -1,10 +1,10 @@
 //! The pictures of materials for a USD file: which are taken, and under which names.
 
 use super::super::picture::{self, Encoded, Kind, Names};
-use crate::base::Where;
-use crate::scene::texture::PictureKey;
-use crate::scene::texture::{PictureSource, Texels};
-use crate::scene::{Note, Severity, Texture};
+use eyebox_base::Where;
+use eyebox_scene::texture::PictureKey;
+use eyebox_scene::texture::{PictureSource, Texels};
+use eyebox_scene::{Note, Severity, Texture};
 use image::ImageFormat;
 use std::collections::HashMap;
 use std::io::Cursor;

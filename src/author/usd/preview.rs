@@ -3,8 +3,8 @@
 
 use super::layer::{Datum, Prim, Property};
 use super::network::{Network, Source, pair, set_name, single, space, triple};
-use crate::scene::texture::{Channel, Filter, TextureInput, Wrap};
-use crate::scene::{Colour, Opacity, Scalar, StandardSurface};
+use eyebox_scene::texture::{Channel, Filter, TextureInput, Wrap};
+use eyebox_scene::{Colour, Opacity, Scalar, StandardSurface};
 
 /// Which of the four lanes of a picture are read, and how: texel · scale + bias.
 type Lanes = [Option<(f64, f64)>; 4];

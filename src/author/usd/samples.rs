@@ -3,7 +3,7 @@
 use super::super::tracks::{self, SCALE, TRANSLATION, Vector};
 use super::layer::{Datum, Property};
 use super::stage::matrix;
-use crate::scene::motion::{MeshMotion, Motion, Parts, Vertices, parts};
+use eyebox_scene::motion::{MeshMotion, Motion, Parts, Vertices, parts};
 use glam::DAffine3;
 
 /// Values at these frames.

@@ -7,8 +7,8 @@ use super::name::Siblings;
 use super::samples::sampled;
 use super::stage::{Writing, rows};
 use super::text::half;
-use crate::scene::assembly::Assembly;
-use crate::scene::motion::{Joint, Motion, Parts, Rig, is_alike, locals, parts};
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::motion::{Joint, Motion, Parts, Rig, is_alike, locals, parts};
 use glam::DAffine3;
 use std::collections::HashMap;
 
@@ -75,7 +75,7 @@ impl Skeletons {
             let mut prims = Siblings::default();
             let mut shapes = Vec::new();
             for (number, target) in rig.targets.iter().enumerate() {
-                let weight = |pose: &crate::scene::motion::Pose| pose.weights.get(number).copied().unwrap_or(0.0);
+                let weight = |pose: &eyebox_scene::motion::Pose| pose.weights.get(number).copied().unwrap_or(0.0);
                 let still = std::iter::once(&rig.pose);
                 let weights: Vec<f64> = still.chain(poses.into_iter().flatten()).map(weight).collect();
                 let name = prims.name(&target.name, "Shape");

@@ -1,9 +1,9 @@
 use super::*;
-use crate::scene::assembly::{Camera, LightForm, LightSource, Material, MeshSource, Node};
-use crate::scene::attribute::arbitrary;
-use crate::scene::attribute::usd::{UsdProperty, UsdValue, gather};
-use crate::scene::value::{Data, Value};
-use crate::scene::{FaceRange, Mesh};
+use eyebox_scene::assembly::{Camera, LightForm, LightSource, Material, MeshSource, Node};
+use eyebox_scene::attribute::arbitrary;
+use eyebox_scene::attribute::usd::{UsdProperty, UsdValue, gather};
+use eyebox_scene::value::{Data, Value};
+use eyebox_scene::{FaceRange, Mesh};
 use glam::{DAffine3, DMat3, DVec3};
 
 fn triangle(name: &str, faces: u32) -> MeshSource {

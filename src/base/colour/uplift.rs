@@ -57,7 +57,7 @@ pub fn uplift_emission(rgb: Rgb, nm: f64) -> f64 {
 mod tests {
     use super::super::{REC709_TO_XYZ, grid};
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use crate::rng::{Rng, Stream};
 
     #[test]
     fn the_basis_is_a_share_of_one_at_every_wavelength() {

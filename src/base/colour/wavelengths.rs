@@ -64,7 +64,7 @@ pub fn lanes<const N: usize>(u: f64) -> [Lane; N] {
 mod tests {
     use super::super::{K_M, cmf_for_sampling, xyz};
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use crate::rng::{Rng, Stream};
 
     #[test]
     fn integrals_of_the_matching_functions_by_sampling_are_their_sums() {

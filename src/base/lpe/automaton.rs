@@ -3,7 +3,7 @@
 
 use super::parse::Node;
 use super::{Letter, Set, Source};
-use crate::base::path::{Class, Event, Trail};
+use crate::path::{Class, Event, Trail};
 use std::collections::{HashMap, VecDeque};
 
 /// Most states of an expression's automaton.

@@ -7,7 +7,7 @@
 
 use super::automaton::{Machine, event};
 use super::{Letter, Lpe, MOST_SLIDES, Source};
-use crate::base::path::{Class, Trail};
+use crate::path::{Class, Trail};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// Which expressions take a path: a bit each.

@@ -81,8 +81,8 @@ fn agrees_with_regular_expressions_on_every_short_path() {
         for length in 0..=5u32 {
             for code in 0..7usize.pow(length) {
                 let events: Vec<usize> = (0..length).map(|i| code / 7usize.pow(i) % 7).collect();
-                let class = events.iter().fold(crate::base::path::Trail::START, |trail, event| {
-                    use crate::base::path::Event::*;
+                let class = events.iter().fold(crate::path::Trail::START, |trail, event| {
+                    use crate::path::Event::*;
                     trail.then([Specular, Glossy, Diffuse, Specular, Specular, Glossy, Diffuse][*event])
                 });
                 let middle: String = events.iter().map(|event| char::from(b'a' + *event as u8)).collect();

@@ -3,12 +3,12 @@
 use super::race::{Budget, Ready, race};
 use super::reference::{Source, references};
 use super::{AssetReport, Report, csv, json, svg, table};
-use crate::base::{Error, Result, Where};
-use crate::bench::clock::{cpu_seconds, processor};
-use crate::estimate::ShouldStop;
-use crate::import::{ImportOptions, Set, import};
-use crate::plan::Choice;
-use crate::scene::Scene;
+use crate::clock::{cpu_seconds, processor};
+use eyebox_base::{Error, Result, Where};
+use eyebox_estimate::ShouldStop;
+use eyebox_import::{ImportOptions, Set, import};
+use eyebox_plan::Choice;
+use eyebox_scene::Scene;
 use std::path::Path;
 
 /// What is measured.

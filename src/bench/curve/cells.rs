@@ -3,7 +3,7 @@
 //! The film knows the variance of a pixel. That of a sum over pixels is more where they share a photon, and less where
 //! places in a pixel are chosen evenly; the sums of a few dozen batches know both.
 
-use crate::base::students_t::{as_normal, unskewed, welch};
+use eyebox_base::students_t::{as_normal, unskewed, welch};
 
 /// Cells per side, at most.
 pub const CELLS: usize = 8;
@@ -156,8 +156,8 @@ impl Batches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
-    use crate::base::stats::Moments;
+    use eyebox_base::rng::{Rng, Stream};
+    use eyebox_base::stats::Moments;
 
     /// What passes of a light bring is worth.
     fn worth(seed: u64, light: impl Fn(&mut Rng) -> f64) -> (f64, Worth) {

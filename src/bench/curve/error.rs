@@ -5,7 +5,7 @@
 
 use super::bias::{Blocks, Deviation};
 use super::picture::Picture;
-use crate::base::stats::sidak_z;
+use eyebox_base::stats::sidak_z;
 
 /// Share of the pixels that the trimmed error leaves out: those with the largest terms, of either sign.
 pub const TRIMMED: f64 = 1e-3;
@@ -118,7 +118,7 @@ impl References {
     }
 
     /// Root of the sum of squared errors over the sum of squares, both by products of the two references: what
-    /// [`crate::estimate::run::Films::relative_error`] states. 0 if the references' noise covers the error.
+    /// [`eyebox_estimate::run::Films::relative_error`] states. 0 if the references' noise covers the error.
     pub fn relative_error(&self, picture: &Picture) -> f64 {
         let (mut noise, mut signal) = (0.0, 0.0);
         for ((t, a), b) in picture.values.iter().zip(&self.first.values).zip(&self.second.values) {

@@ -1,8 +1,8 @@
 //! The product estimator against errors that are known.
 
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::bench::curve::cells::Batches;
+use crate::curve::cells::Batches;
+use eyebox_base::rng::{Rng, Stream};
 
 const SIDE: usize = 64;
 
@@ -27,7 +27,7 @@ fn noisy(values: &[f64], gain: f64, sigma: f64, seed: u64) -> Picture {
 #[test]
 fn noise_of_the_references_does_not_count() {
     let truth = truth();
-    let mut moments = crate::base::stats::Moments::default();
+    let mut moments = eyebox_base::stats::Moments::default();
     for seed in 0..160 {
         let references = References::new(noisy(&truth, 1.0, 3.0, 1000 + seed), noisy(&truth, 1.0, 3.0, 2000 + seed));
         moments.add(references.measure(&noisy(&truth, 1.0, 1.0, 3000 + seed)).relmse);

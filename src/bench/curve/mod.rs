@@ -13,10 +13,10 @@ pub mod reference;
 pub mod svg;
 pub mod table;
 
-use crate::base::document::document;
-use crate::film::plan::Estimator;
-use crate::plan::Choice;
 use error::Error;
+use eyebox_base::document::document;
+use eyebox_film::plan::Estimator;
+use eyebox_plan::Choice;
 use fit::Reach;
 
 /// Errors whose seconds are told.

@@ -1,10 +1,10 @@
 //! The luminance of a picture with the variances of its pixels.
 
 use super::cells::{Batches, Grid};
-use crate::base::colour::ColourSpace;
-use crate::base::{Error, Result, Where};
-use crate::estimate::run::Films;
-use crate::output::exr::read_exr;
+use eyebox_base::colour::ColourSpace;
+use eyebox_base::{Error, Result, Where};
+use eyebox_estimate::run::Films;
+use eyebox_output::exr::read_exr;
 use std::path::Path;
 
 /// Luminance row by row, cd/m².

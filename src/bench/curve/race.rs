@@ -5,15 +5,15 @@ use super::error::References;
 use super::fit::{reach, slope};
 use super::picture::Picture;
 use super::{Curve, LEVELS, Point, name};
-use crate::base::Result;
-use crate::bench::clock::cpu_seconds;
-use crate::check::{Checked, check};
-use crate::estimate::ShouldStop;
-use crate::estimate::run::{Tracing, begin};
-use crate::film::plan::{Estimator, Plan};
-use crate::plan::{Choice, plan};
-use crate::scene::Scene;
-use crate::world::World;
+use crate::clock::cpu_seconds;
+use eyebox_base::Result;
+use eyebox_check::{Checked, check};
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::run::{Tracing, begin};
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_plan::{Choice, plan};
+use eyebox_scene::Scene;
+use eyebox_world::World;
 
 /// CPU seconds of a turn.
 const TURN: f64 = 0.25;

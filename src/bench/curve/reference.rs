@@ -5,11 +5,11 @@ use super::error::References;
 use super::picture::Picture;
 use super::race::Ready;
 use super::{ReferenceFacts, name};
-use crate::base::Result;
-use crate::bench::clock::cpu_seconds;
-use crate::estimate::ShouldStop;
-use crate::estimate::run::begin;
-use crate::plan::{Choice, plan};
+use crate::clock::cpu_seconds;
+use eyebox_base::Result;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::run::begin;
+use eyebox_plan::{Choice, plan};
 use std::path::PathBuf;
 
 /// How references are made.

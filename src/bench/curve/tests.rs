@@ -8,8 +8,8 @@ use super::picture::Picture;
 use super::race::{Budget, Ready, race};
 use super::reference::{Source, references};
 use super::*;
-use crate::bench::kit;
-use crate::estimate::run::begin;
+use crate::kit;
+use eyebox_estimate::run::begin;
 use glam::DVec3;
 
 fn error(relmse: f64) -> Error {
@@ -145,7 +145,7 @@ fn tables_tell_the_seconds() {
 fn a_race_measures_what_the_film_states() {
     let mut scene = kit::scene(60.0, 12);
     kit::panel(&mut scene, 50.0, kit::quad(DVec3::new(0.0, 2.0, 0.0), DVec3::X * 0.7, DVec3::Z * 0.7));
-    let matt = crate::scene::Finish::Lambert { reflectance: 0.5, transmittance: 0.0 };
+    let matt = eyebox_scene::Finish::Lambert { reflectance: 0.5, transmittance: 0.0 };
     let wall = kit::mesh(&[kit::quad(DVec3::new(0.0, 0.0, -2.0), DVec3::X * 3.0, DVec3::Y * 3.0)]);
     kit::add(&mut scene, wall, glam::DAffine3::IDENTITY, None, vec![kit::face(matt)]);
     let ready = Ready::new(&scene, 0.0).unwrap();
@@ -179,10 +179,10 @@ fn a_race_measures_what_the_film_states() {
 /// seeds, and what the pixels' variances add up to is half of it.
 #[test]
 fn photons_that_pixels_share() {
-    let scene = crate::bench::generate::scene(5);
+    let scene = crate::generate::scene(5);
     let ready = Ready::new(&scene, 0.0).unwrap();
     let (size, choice) = (scene.eye.resolution, Choice::Only(Estimator::Photon));
-    let plan = crate::plan::plan(&ready.checked, &ready.world, choice);
+    let plan = eyebox_plan::plan(&ready.checked, &ready.world, choice);
     let pictures: Vec<Picture> = (0..24)
         .map(|seed| {
             let mut tracing = begin(&ready.world, &plan, scene.groups.len(), size, seed);

@@ -2,9 +2,9 @@
 
 use super::Dice;
 use super::patch::{Patch, mesh};
-use crate::base::ids::{CoatingId, GroupId, SlideId};
-use crate::bench::kit;
-use crate::scene::{Angular, Coating, CoatingLaw, Emitter, Face, Finish, Photometry, Scene, Slide};
+use crate::kit;
+use eyebox_base::ids::{CoatingId, GroupId, SlideId};
+use eyebox_scene::{Angular, Coating, CoatingLaw, Emitter, Face, Finish, Photometry, Scene, Slide};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::sync::Arc;
 

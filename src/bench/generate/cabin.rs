@@ -4,8 +4,8 @@
 use super::build::{frame, look, part, plate, polished};
 use super::patch::Patch;
 use super::{Dice, samples};
-use crate::bench::kit;
-use crate::scene::{Face, Finish, Scene};
+use crate::kit;
+use eyebox_scene::{Face, Finish, Scene};
 use glam::{DAffine3, DVec2, DVec3};
 
 /// The driver's eye is the origin: walls at the left and right, floor and roof, front and rear, m.

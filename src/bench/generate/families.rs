@@ -1,7 +1,7 @@
 //! Which families the seeds take turns over.
 
 use super::Family;
-use crate::base::error::nearest_name;
+use eyebox_base::error::nearest_name;
 use std::str::FromStr;
 
 /// Of n families the one with number `seed mod n` is a seed's.

@@ -3,9 +3,9 @@
 use super::build::{black, coated, frame, look, panel, part, partial, plate, polished};
 use super::patch::Patch;
 use super::{Dice, GLASS, samples};
-use crate::base::ids::CoatingId;
-use crate::bench::kit;
-use crate::scene::{Face, Finish, Scene, Shape};
+use crate::kit;
+use eyebox_base::ids::CoatingId;
+use eyebox_scene::{Face, Finish, Scene, Shape};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// The display shines down onto a beam splitter at 45°, from there to a concave half mirror and back through the splitter

@@ -3,8 +3,8 @@
 use super::build::{backlight, black, frame_around, lcd, look, panel, part, polished, tube};
 use super::patch::{Freeform, Patch};
 use super::{Dice, GLASS, samples};
-use crate::bench::kit;
-use crate::scene::{Face, Finish, Scene, Shape};
+use crate::kit;
+use eyebox_scene::{Face, Finish, Scene, Shape};
 use glam::{DAffine3, DVec2, DVec3};
 
 /// Meshes of each lens.

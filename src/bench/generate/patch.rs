@@ -1,8 +1,8 @@
 //! Curved faces as meshes with exact normals, and the exact surfaces that they are pieces of.
 
-use crate::bench::kit::Sheet;
-use crate::scene::mesh::FaceRange;
-use crate::scene::{Mesh, Shape};
+use crate::kit::Sheet;
+use eyebox_scene::mesh::FaceRange;
+use eyebox_scene::{Mesh, Shape};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -231,7 +231,7 @@ mod tests {
     /// A bar is closed and right side out: by its volume.
     #[test]
     fn bars_and_bodies_hold_their_volume() {
-        use crate::check::geometry::{edges, volume};
+        use eyebox_check::geometry::{edges, volume};
         let triangle = [DVec2::ZERO, DVec2::X, DVec2::Y];
         let bar = mesh(&Patch::bar(&triangle, 0.5));
         assert!((volume(&bar) - 0.5).abs() < 1e-6 && edges(&bar).open == 0, "{}", volume(&bar));

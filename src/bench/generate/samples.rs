@@ -2,9 +2,9 @@
 //! along −z.
 
 use super::{Dice, GLASS};
-use crate::base::ids::{GroupId, SlideId};
-use crate::bench::kit;
-use crate::scene::{Face, Finish, Scene, Shape, Slide};
+use crate::kit;
+use eyebox_base::ids::{GroupId, SlideId};
+use eyebox_scene::{Face, Finish, Scene, Shape, Slide};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 

@@ -4,8 +4,8 @@ use super::build::{backlight, black, frame, lcd, look, part};
 use super::patch::{Freeform, Patch, Toroid};
 use super::train::{Pencil, Radii, Train};
 use super::{Dice, samples};
-use crate::bench::kit;
-use crate::scene::{Face, Finish, Scene, Shape};
+use crate::kit;
+use eyebox_scene::{Face, Finish, Scene, Shape};
 use glam::{DAffine3, DVec2, DVec3};
 
 /// Half of the eyebox, m.

@@ -2,9 +2,9 @@
 
 use super::Case;
 use super::places::behind;
-use crate::bench::measure::How;
-use crate::bench::{closed, kit};
-use crate::scene::{Finish, Scene, Shape};
+use crate::measure::How;
+use crate::{closed, kit};
+use eyebox_scene::{Finish, Scene, Shape};
 use glam::{DAffine3, DVec3};
 
 const INDICES: [f64; 2] = [1.52, 1.62];

@@ -3,10 +3,10 @@
 use super::Case;
 use super::glass::reflected;
 use super::places::{ball, plate};
-use crate::bench::measure::How;
-use crate::bench::{closed, kit};
-use crate::film::plan::{Estimator, Spectral};
-use crate::scene::{Dispersion, Wavelengths};
+use crate::measure::How;
+use crate::{closed, kit};
+use eyebox_film::plan::{Estimator, Spectral};
+use eyebox_scene::{Dispersion, Wavelengths};
 
 /// One film from no thickness at all to a millimetre: clear, absorbing, a metal.
 pub fn coatings() -> Vec<Case> {

@@ -2,9 +2,9 @@
 
 use super::Case;
 use super::places::plate;
-use crate::bench::measure::How;
-use crate::bench::{closed, kit};
-use crate::scene::{Finish, Scene, Shape};
+use crate::measure::How;
+use crate::{closed, kit};
+use eyebox_scene::{Finish, Scene, Shape};
 use glam::{DAffine3, DVec3};
 
 /// Field of view of a single ray: its angle is the same all over to 1e-10.

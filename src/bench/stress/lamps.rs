@@ -1,9 +1,9 @@
 //! Lamps that are small and skies with a sun in one pixel.
 
 use super::Case;
-use crate::bench::kit;
-use crate::bench::measure::How;
-use crate::scene::{Finish, Scene};
+use crate::kit;
+use crate::measure::How;
+use eyebox_scene::{Finish, Scene};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 

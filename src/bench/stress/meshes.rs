@@ -2,13 +2,13 @@
 
 use super::Case;
 use super::places::plate;
-use crate::bench::kit::{self, Sheet};
-use crate::bench::measure::How;
+use crate::kit::{self, Sheet};
+use crate::measure::How;
 use glam::DVec3;
 
 /// The plate's large faces cut into needles: `count` points crowd on one edge, by the `share` of the last distance each,
 /// and every triangle is followed by one without area.
-fn needles(degrees: f64, exact: bool, count: u32, share: f64) -> (crate::scene::Scene, f64) {
+fn needles(degrees: f64, exact: bool, count: u32, share: f64) -> (eyebox_scene::Scene, f64) {
     let (mut s, want) = plate(degrees, 1.5, exact);
     let half = DVec3::new(0.4, 0.4, 0.001);
     let cut = |corners: Vec<DVec3>| -> Sheet {

@@ -9,8 +9,8 @@ mod places;
 pub mod table;
 
 use super::measure::{How, Measured, trace};
-use crate::base::stats::sidak_z;
-use crate::scene::Scene;
+use eyebox_base::stats::sidak_z;
+use eyebox_scene::Scene;
 
 /// What a case strains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]

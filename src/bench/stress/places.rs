@@ -1,9 +1,9 @@
 //! Scenes in other units, of other sizes, and far from the origin.
 
 use super::{Case, contacts};
-use crate::bench::measure::How;
-use crate::bench::{closed, kit};
-use crate::scene::{Scene, Shape};
+use crate::measure::How;
+use crate::{closed, kit};
+use eyebox_scene::{Scene, Shape};
 use glam::{DAffine3, DVec3};
 
 /// A tilted plate before a panel, its sides exact or triangles; and what the eye sees of the panel.

@@ -1,8 +1,8 @@
 //! A texture of a material is missing.
 
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
 
 pub const RULE: Rule = Rule {
     code: "EB0006",
@@ -24,7 +24,7 @@ fn find(subject: &Subject<'_>) -> Vec<Finding> {
 }
 
 /// The file without its folders, which differ from machine to machine.
-fn name(needed: &crate::check::subject::Needed) -> String {
+fn name(needed: &crate::subject::Needed) -> String {
     needed
         .file
         .file_name()

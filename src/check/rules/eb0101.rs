@@ -1,10 +1,10 @@
 //! The asset has a suspicious size.
 
-use crate::base::Where;
-use crate::check::finding::{Finding, Level};
-use crate::check::geometry::extent_m;
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::geometry::extent_m;
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
+use eyebox_base::Where;
 
 pub const RULE: Rule = Rule {
     code: "EB0101",

@@ -1,9 +1,9 @@
 //! A solid with a medium is not closed.
 
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::{Subject, is_solid};
-use crate::scene::Part;
+use crate::finding::{Finding, Level};
+use crate::rule::{Example, Rule, kept};
+use crate::subject::{Subject, is_solid};
+use eyebox_scene::Part;
 
 pub const RULE: Rule = Rule {
     code: "EB0102",

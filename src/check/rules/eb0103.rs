@@ -1,11 +1,11 @@
 //! A solid is inside out.
 
-use crate::base::Where;
-use crate::check::finding::{Finding, Level};
-use crate::check::geometry;
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::{Subject, is_solid};
-use crate::scene::{Note, Part, Scene};
+use crate::finding::{Finding, Level};
+use crate::geometry;
+use crate::rule::{Example, Rule, kept};
+use crate::subject::{Subject, is_solid};
+use eyebox_base::Where;
+use eyebox_scene::{Note, Part, Scene};
 use std::collections::HashMap;
 
 pub const RULE: Rule = Rule {

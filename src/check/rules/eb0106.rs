@@ -1,9 +1,9 @@
 //! Facets of a curved specular face are too coarse.
 
-use crate::check::facets::{self, EYE_ARCMIN};
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::facets::{self, EYE_ARCMIN};
+use crate::finding::{Finding, Level};
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
 
 pub const RULE: Rule = Rule {
     code: "EB0106",

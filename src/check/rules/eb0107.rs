@@ -1,7 +1,7 @@
 //! The exact shape does not lie on its mesh.
 
-use crate::check::finding::Level;
-use crate::check::rule::{Example, Rule, kept, nothing};
+use crate::finding::Level;
+use crate::rule::{Example, Rule, kept, nothing};
 
 pub const RULE: Rule = Rule {
     code: "EB0107",

@@ -1,10 +1,10 @@
 //! Vertex normals contradict their triangles.
 
-use crate::base::Where;
-use crate::check::finding::Level;
-use crate::check::rule::{Example, Rule, nothing};
-use crate::check::subject::{Subject, is_mesh, is_specular};
-use crate::scene::Note;
+use crate::finding::Level;
+use crate::rule::{Example, Rule, nothing};
+use crate::subject::{Subject, is_mesh, is_specular};
+use eyebox_base::Where;
+use eyebox_scene::Note;
 
 pub const RULE: Rule = Rule {
     code: "EB0108",

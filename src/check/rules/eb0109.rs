@@ -1,8 +1,8 @@
 //! Two parts have the same path.
 
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
 use std::collections::BTreeMap;
 
 pub const RULE: Rule = Rule {

@@ -1,10 +1,10 @@
 //! A face has triangles without area.
 
-use crate::base::weld::rounding;
-use crate::check::finding::{Finding, Level};
-use crate::check::geometry;
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::geometry;
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
+use eyebox_base::weld::rounding;
 use std::collections::BTreeSet;
 
 pub const RULE: Rule = Rule {

@@ -1,7 +1,7 @@
 //! All normals of a face point to the inside.
 
-use crate::check::finding::Level;
-use crate::check::rule::{Example, Rule, kept, nothing};
+use crate::finding::Level;
+use crate::rule::{Example, Rule, kept, nothing};
 
 pub const RULE: Rule = Rule {
     code: "EB0113",

@@ -1,8 +1,8 @@
 //! A material of the asset is used by no face.
 
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
 use std::collections::BTreeSet;
 
 pub const RULE: Rule = Rule {

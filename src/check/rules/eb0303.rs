@@ -1,9 +1,9 @@
 //! What the asset says of an emitter contradicts what is bound to it.
 
-use crate::check::finding::{Finding, Level};
-use crate::check::lamps;
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::lamps;
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
 
 pub const RULE: Rule = Rule {
     code: "EB0303",

@@ -1,9 +1,9 @@
 //! Nothing emits.
 
-use crate::base::Where;
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
+use eyebox_base::Where;
 
 pub const RULE: Rule = Rule {
     code: "EB0307",

@@ -1,9 +1,9 @@
 //! A slide does not fit its face.
 
-use crate::check::finding::{Finding, Level};
-use crate::check::geometry;
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::geometry;
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
 
 pub const RULE: Rule = Rule {
     code: "EB0403",

@@ -1,8 +1,8 @@
 //! A slide's pixels are not square.
 
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::Subject;
+use crate::finding::{Finding, Level};
+use crate::rule::{Example, Rule, kept};
+use crate::subject::Subject;
 
 pub const RULE: Rule = Rule {
     code: "EB0404",

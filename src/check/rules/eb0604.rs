@@ -1,7 +1,7 @@
 //! Two rules of the same rank contradict.
 
-use crate::check::finding::Level;
-use crate::check::rule::{Example, Rule, kept, nothing};
+use crate::finding::Level;
+use crate::rule::{Example, Rule, kept, nothing};
 
 pub const RULE: Rule = Rule {
     code: "EB0604",

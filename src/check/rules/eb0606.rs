@@ -1,7 +1,7 @@
 //! A node has optical attributes but no part.
 
-use crate::check::finding::Level;
-use crate::check::rule::{Example, Rule, kept, nothing};
+use crate::finding::Level;
+use crate::rule::{Example, Rule, kept, nothing};
 
 pub const RULE: Rule = Rule {
     code: "EB0606",

@@ -10,7 +10,7 @@ use crate::cmd::print;
 use crate::cmd::source::told;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::picture::plan_lines;
-use crate::estimate::run::Films;
+use crate::estimate::run::{Films, Outcome, Stop};
 use crate::film::accumulate::Film;
 use crate::film::plan::Estimator;
 use std::collections::BTreeMap;
@@ -28,15 +28,26 @@ impl Run<'_> {
         told(scene).iter().for_each(|line| tell!("{line}"));
         ending.warnings.iter().for_each(|warning| tell!("warning: {warning}"));
         let text = || {
-            let mut lines = plan_lines(scene, plan);
-            lines.extend(sharpness.lines());
+            let mut lines = Vec::new();
+            if args.verbose {
+                lines.extend(plan_lines(scene, plan));
+                lines.extend(sharpness.lines());
+                lines.extend(dealt(&outcome.films));
+            }
+            let [width, height] = scene.eye.resolution;
+            let (output, seconds) = (args.output.display(), outcome.elapsed.as_secs_f64());
+            lines.push(format!("{output}: {width} × {height} pixels in cd/m², traced in {seconds:.1} s"));
+            let of_all = if error.is_some() { " of the whole picture" } else { "" };
+            lines.push(format!("{}{of_all}; {}", stated(*error, outcome.films.passes), self.why_it_ended(outcome)));
             lines.extend(ending.lines.iter().cloned());
-            let error = stated(*error, outcome.films.passes);
-            let seconds = outcome.elapsed.as_secs_f64();
-            let passes = outcome.films.passes;
-            lines.extend(dealt(&outcome.films));
-            let most = if outcome.films.dealt.rounds > 0 { "up to " } else { "" };
-            lines.push(format!("{}: {most}{passes} passes in {seconds:.1} s, {error}", args.output.display()));
+            lines.push(format!(
+                "next: `eyebox view {output} -o {}` makes a PNG, `eyebox report {output} -o {}` a page",
+                args.output.with_extension("png").display(),
+                args.output.with_extension("html").display()
+            ));
+            if !args.verbose {
+                lines.push("who traced what, and why: --verbose, or the file's header".to_owned());
+            }
             lines.join("\n")
         };
         let json = || {
@@ -59,6 +70,22 @@ impl Run<'_> {
             })
         };
         print(args.format, text, json)
+    }
+
+    fn why_it_ended(&self, outcome: &Outcome) -> String {
+        let most = if outcome.films.dealt.rounds > 0 { "up to " } else { "" };
+        let after = format!("it ended after {most}{} passes, ", outcome.films.passes);
+        let why = match outcome.stop {
+            Stop::Error if self.args.is_without_limits() => "below the 0.5 % that runs without limits go to",
+            Stop::Error => "below the error that was asked for",
+            Stop::Passes if self.args.shard.is_some() => "its part of the run",
+            Stop::Passes if self.args.is_without_limits() => "the most that runs without limits make",
+            Stop::Passes => "as many as were asked for",
+            Stop::Time => "when its time was over",
+            Stop::TooFar => "for the error that was asked for is out of reach",
+            Stop::Asked => "for it was told to",
+        };
+        after + why
     }
 }
 

@@ -6,9 +6,9 @@
 use super::tuning::glow::{
     ASIDE, BY_LIGHT, FAR, FEWEST, GUIDED, LEAF, LEAST_COS, MORE, NARROWEST, RIDGE, SHARES, WIDER, WIDEST,
 };
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::Frame;
-use crate::estimate::photon::Landing;
+use crate::photon::Landing;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::Frame;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -238,8 +238,8 @@ impl About<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::path::Trail;
-    use crate::world::geometry::Site;
+    use eyebox_base::path::Trail;
+    use eyebox_world::geometry::Site;
 
     fn landing(position: DVec3, dir: DVec3) -> Landing {
         let site = Site { part: 0, face: 0, triangle: 0 };
@@ -278,7 +278,7 @@ mod tests {
         // The same by even points on the sphere.
         let (mut all, mut half) = (0.0, 0.0);
         for _ in 0..20 * COUNT {
-            let dir = crate::base::warp::sphere(rng.pair());
+            let dir = eyebox_base::warp::sphere(rng.pair());
             let reached = f64::from(u8::from(leaf.density(dir, 0.0) > 0.0));
             all += reached;
             half += if dir.x > 0.12 { reached } else { 0.0 };

@@ -2,18 +2,18 @@
 //! shine.
 
 use super::Backward;
-use crate::base::ids::GroupId;
-use crate::base::lpe::{Letter, Source};
-use crate::base::path::Event;
-use crate::base::warp::Frame;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Vertex, Walker};
-use crate::film::accumulate::Light;
-use crate::world::geometry::{Ray, Site};
-use crate::world::light::Strength;
-use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
-use crate::world::scatter::Scatter;
-use crate::world::slide::SlideMap;
+use crate::ledger::Ledger;
+use crate::walk::{Vertex, Walker};
+use eyebox_base::ids::GroupId;
+use eyebox_base::lpe::{Letter, Source};
+use eyebox_base::path::Event;
+use eyebox_base::warp::Frame;
+use eyebox_film::accumulate::Light;
+use eyebox_world::geometry::{Ray, Site};
+use eyebox_world::light::Strength;
+use eyebox_world::mode::{LaneArray, Mode, lanes, plane_of};
+use eyebox_world::scatter::Scatter;
+use eyebox_world::slide::SlideMap;
 use glam::DVec3;
 
 /// Where a path from the eye has met a scatterer.

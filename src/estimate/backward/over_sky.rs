@@ -8,16 +8,16 @@ mod finder;
 mod sight;
 
 use super::tuning::over_sky::{MOST_PAIRS, MOST_PIXELS, PER_PIXEL, TOLERANCE};
-use crate::base::lattice::lattice;
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::disk;
-use crate::estimate::ledger::{Ledger, cost};
-use crate::estimate::pixel::Pixel;
-use crate::film::accumulate::Light;
-use crate::world::mode::{Mode, lanes, plane_of};
-use crate::world::optics::Optics;
-use crate::world::sky::SkyLight;
-use crate::world::sky::footprint::Footprint;
+use crate::ledger::{Ledger, cost};
+use crate::pixel::Pixel;
+use eyebox_base::lattice::lattice;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::disk;
+use eyebox_film::accumulate::Light;
+use eyebox_world::mode::{Mode, lanes, plane_of};
+use eyebox_world::optics::Optics;
+use eyebox_world::sky::SkyLight;
+use eyebox_world::sky::footprint::Footprint;
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -151,7 +151,7 @@ impl<M: Mode> OverSky<M> {
     }
 
     /// Takes off what is foretold of a place of it (right and down from its corner) and of the pupil (as
-    /// [`ray`](crate::world::eye::EyeLens::ray) takes it).
+    /// [`ray`](eyebox_world::eye::EyeLens::ray) takes it).
     pub(super) fn take_off(
         &self,
         optics: &Optics<M>,

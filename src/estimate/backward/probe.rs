@@ -2,19 +2,19 @@
 
 use super::Backward;
 use super::tuning::probe::{MOST_EVENTS, MOST_SCATTERED};
-use crate::base::lattice::lattice;
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::Frame;
-use crate::estimate::ShouldStop;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
-use crate::film::guide::Portals;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
-use crate::world::sky::SkyLight;
+use crate::ShouldStop;
+use crate::ledger::Ledger;
+use crate::walk::{Meeting, Met, Travel, Vertex, Walker};
+use eyebox_base::lattice::lattice;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::Frame;
+use eyebox_film::guide::Portals;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
+use eyebox_world::scatter::Scatter;
+use eyebox_world::sky::SkyLight;
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -1,8 +1,8 @@
 //! Directions to the sky: by its luminance, and where a pilot has seen through which windows its light gets in, by these,
 //! too.
 
-use crate::film::guide::Portals;
-use crate::world::sky::SkyLight;
+use eyebox_film::guide::Portals;
+use eyebox_world::sky::SkyLight;
 use glam::DVec3;
 
 /// How a scatterer chooses directions to the sky.

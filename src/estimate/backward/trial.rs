@@ -2,12 +2,12 @@
 
 use super::Backward;
 use super::over_sky::OverSky;
-use crate::base::lattice::lattice;
-use crate::estimate::ShouldStop;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::pixel::Pixel;
-use crate::film::accumulate::Light;
-use crate::world::mode::{Mode, Mono};
+use crate::ShouldStop;
+use crate::ledger::Ledger;
+use crate::pixel::Pixel;
+use eyebox_base::lattice::lattice;
+use eyebox_film::accumulate::Light;
+use eyebox_world::mode::{Mode, Mono};
 use rayon::prelude::*;
 
 /// Light and counted work of paths, two to a pixel.

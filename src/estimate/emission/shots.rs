@@ -1,10 +1,10 @@
 //! Which paths of a pass start, and the numbers that each starts with.
 
 use super::tuning::shots::CHUNK;
-use crate::base::rng::{Rng, Stream};
-use crate::base::sobol::Sobol;
-use crate::film::guide::Point;
-use crate::film::replicates::REPLICATES;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::sobol::Sobol;
+use eyebox_film::guide::Point;
+use eyebox_film::replicates::REPLICATES;
 use std::ops::Range;
 
 /// What the numbers are that a path starts with: its lamp, its place there and its direction. All later ones are random.

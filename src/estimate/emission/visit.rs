@@ -1,11 +1,11 @@
 //! The one walk that light tracing and photon mapping share, and what an estimator does along it.
 
 use super::{Emission, Origin};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
-use crate::world::eye::Arrival;
-use crate::world::mode::Mode;
-use crate::world::scatter::Scatter;
+use crate::ledger::Ledger;
+use crate::walk::{Meeting, Met, Vertex, Walker};
+use eyebox_world::eye::Arrival;
+use eyebox_world::mode::Mode;
+use eyebox_world::scatter::Scatter;
 
 /// What an estimator does along a path from a lamp. All branches of a path are visited before the next path starts.
 pub trait Visitor<M: Mode> {

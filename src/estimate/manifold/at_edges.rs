@@ -5,14 +5,14 @@ use super::film_table::{Branch, OverLamp, OverPixel};
 use super::seeds::MOST_SHEETS;
 use super::tuning::at_edges::{ANYWHERE, EDGE_POINTS, NEAREST, PLACES, POINTS};
 use super::vision::Manifold;
-use crate::base::lattice::lattice;
-use crate::estimate::ledger::{Ledger, cost};
-use crate::film::accumulate::Light;
-use crate::world::mode::{Mode, lanes};
-use crate::world::optics::Optics;
-use crate::world::slide::footprint;
-use crate::world::slide::jump::{self, Jumps};
+use crate::ledger::{Ledger, cost};
 use arrayvec::ArrayVec;
+use eyebox_base::lattice::lattice;
+use eyebox_film::accumulate::Light;
+use eyebox_world::mode::{Mode, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::slide::footprint;
+use eyebox_world::slide::jump::{self, Jumps};
 use glam::DVec2;
 
 impl<M: Mode> Manifold<'_, M> {

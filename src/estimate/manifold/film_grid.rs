@@ -2,7 +2,7 @@
 
 use super::solver::bicubic::{Nodes, Spot};
 use super::tuning::film_grid::{CELLS, FEWEST, PIXELS};
-use crate::world::World;
+use eyebox_world::World;
 use glam::DVec2;
 
 /// A grid over the picture.

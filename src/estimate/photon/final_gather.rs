@@ -6,7 +6,7 @@
 //! would be met again by the paths that go on, any other would not.
 
 use super::tuning::final_gather::COPIES;
-use crate::base::path::Trail;
+use eyebox_base::path::Trail;
 
 /// Whether a path from the eye goes on from a broad scatterer; `asks`: the face asks for final gathering.
 pub fn goes_on(eye: Trail, asks: bool) -> bool {
@@ -26,7 +26,7 @@ pub fn copies(share: f64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::path::Event;
+    use eyebox_base::path::Event;
 
     /// A vertex between eye and lamp: what happens there, and whether the face asks for final gathering.
     const VERTICES: [(Event, bool); 4] =

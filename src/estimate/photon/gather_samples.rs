@@ -3,14 +3,14 @@
 //! on where rays start, so that is no bias.
 
 pub(super) use super::tuning::gather_samples::MOST_RAYS;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::photon::visible_receivers::{Place, follow};
-use crate::estimate::photon_map::{PhotonMap, adaptive_kernel};
-use crate::estimate::walk::{Travel, Walker};
-use crate::world::World;
-use crate::world::geometry::{Ray, Site};
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, Mono};
+use crate::photon::visible_receivers::{Place, follow};
+use crate::photon_map::{PhotonMap, adaptive_kernel};
+use crate::walk::{Travel, Walker};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_world::World;
+use eyebox_world::geometry::{Ray, Site};
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, Mono};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -82,9 +82,9 @@ impl GatherSamples {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::photon_map::tests::photon;
-    use crate::scene::{Eye, Finish};
-    use crate::world::geometry::scenes;
+    use crate::photon_map::tests::photon;
+    use eyebox_scene::{Eye, Finish};
+    use eyebox_world::geometry::scenes;
     use glam::DAffine3;
 
     const SIZE: [usize; 2] = [8, 6];
@@ -100,7 +100,7 @@ mod tests {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
-            limits: crate::scene::BinocularLimits::default(),
+            limits: eyebox_scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: size,

@@ -1,14 +1,14 @@
 //! What photons leave at scatterers on their way, and where they part.
 
-use crate::estimate::emission::{Origin, Visitor};
-use crate::estimate::manifold::receiver::{Claim, Receivers};
-use crate::estimate::manifold::solver::newton::Target;
-use crate::estimate::photon_map::Photon;
-use crate::estimate::splitting::Splitting;
-use crate::estimate::walk::{Vertex, Walker};
-use crate::world::eye::Arrival;
-use crate::world::mode::Mode;
-use crate::world::scatter::Scatter;
+use crate::emission::{Origin, Visitor};
+use crate::manifold::receiver::{Claim, Receivers};
+use crate::manifold::solver::newton::Target;
+use crate::photon_map::Photon;
+use crate::splitting::Splitting;
+use crate::walk::{Vertex, Walker};
+use eyebox_world::eye::Arrival;
+use eyebox_world::mode::Mode;
+use eyebox_world::scatter::Scatter;
 
 /// Photons of which only a little is left by connection part at every interface: a lens's ghost has some 1e-4 of the light,
 /// and out of ten thousand photons that choose one way thirty would make a way through two reflections. Those that part

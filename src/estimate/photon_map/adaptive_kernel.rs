@@ -45,7 +45,7 @@ fn part((positions, side, enough): (&[DVec3], f64, f64), order: &mut [usize], ha
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::rng::{Rng, Stream};
 
     /// A square of density 1 with a corner of density 17; 16 are enough in a box of side 4.
     #[test]

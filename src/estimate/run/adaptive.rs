@@ -10,9 +10,9 @@
 
 use super::Films;
 use super::tuning::adaptive::{AIM, AIMED, ALONE, BLOCK, FLOOR, FLOOR_OF_WORK, FORESEEN, LEAST_DRAWN, SHARE_OF_WORK};
-use crate::base::rng::{Rng, Stream};
-use crate::film::accumulate::{Film, Sampling};
-use crate::film::plan::Estimator;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_film::accumulate::{Film, Sampling};
+use eyebox_film::plan::Estimator;
 use rayon::prelude::*;
 
 /// Something whose passes may be doubled.

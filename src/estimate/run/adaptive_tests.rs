@@ -1,11 +1,11 @@
 use super::*;
-use crate::base::ids::GroupId;
-use crate::base::stats::Moments;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::run::Dealt;
-use crate::film::accumulate::{Components, Light, PlaneKey};
-use crate::film::layer::Layer;
-use crate::film::unseen::Unseen;
+use crate::ledger::Ledger;
+use crate::run::Dealt;
+use eyebox_base::ids::GroupId;
+use eyebox_base::stats::Moments;
+use eyebox_film::accumulate::{Components, Light, PlaneKey};
+use eyebox_film::layer::Layer;
+use eyebox_film::unseen::Unseen;
 
 const SIZE: [usize; 2] = [24, 20];
 

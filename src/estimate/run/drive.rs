@@ -3,8 +3,8 @@
 use super::outlook::Outlook;
 use super::tuning::adaptive::BASE;
 use super::{Films, Limits, Observer, Outcome, Status, Stop, Tracing, begin};
-use crate::film::plan::Plan;
-use crate::world::World;
+use eyebox_film::plan::Plan;
+use eyebox_world::World;
 use std::time::Instant;
 
 /// Traces `world` by `plan` until a limit is reached. `groups`: number of light groups; `size`: picture in pixels.

@@ -2,8 +2,8 @@
 
 use super::tuning::outlook::{LEAST, LEAST_WORK, MOST_WORK, SPAN};
 use super::{Films, Noise, saved};
-use crate::film::plan::Estimator;
-use crate::film::totals::{ACROSS, DOWN, part_of};
+use eyebox_film::plan::Estimator;
+use eyebox_film::totals::{ACROSS, DOWN, part_of};
 
 /// The errors at the ends of rounds, by counted work: no clock is asked.
 #[derive(Default)]
@@ -81,18 +81,17 @@ impl Films {
         if missed > noise {
             return Some(HoldUp::Missed { share: missed / all });
         }
-        let of_film =
-            |(estimator, film, _): &(Estimator, crate::film::accumulate::Film, crate::estimate::ledger::Ledger)| {
-                let (saved, doubts) = (saved(*estimator, film), film.doubts());
-                let mut parts = [0.0; 1 + ACROSS * DOWN];
-                for pixel in 0..film.width * film.height {
-                    let variance = saved.of(film.passes_of(pixel)) * film.variance(pixel, film.planes.len());
-                    let variance = variance.max(doubts.as_ref().map_or(0.0, |doubts| doubts[pixel]));
-                    parts[0] += variance;
-                    parts[part_of([pixel % film.width, pixel / film.width], [film.width, film.height])] += variance;
-                }
-                (*estimator, parts)
-            };
+        let of_film = |(estimator, film, _): &(Estimator, eyebox_film::accumulate::Film, crate::ledger::Ledger)| {
+            let (saved, doubts) = (saved(*estimator, film), film.doubts());
+            let mut parts = [0.0; 1 + ACROSS * DOWN];
+            for pixel in 0..film.width * film.height {
+                let variance = saved.of(film.passes_of(pixel)) * film.variance(pixel, film.planes.len());
+                let variance = variance.max(doubts.as_ref().map_or(0.0, |doubts| doubts[pixel]));
+                parts[0] += variance;
+                parts[part_of([pixel % film.width, pixel / film.width], [film.width, film.height])] += variance;
+            }
+            (*estimator, parts)
+        };
         let (estimator, parts) = self.films.iter().map(of_film).max_by(|a, b| a.1[0].total_cmp(&b.1[0]))?;
         let part = (1..parts.len()).max_by(|a, b| parts[*a].total_cmp(&parts[*b]))?;
         let share = parts[0] / sums.noise * noise / all;

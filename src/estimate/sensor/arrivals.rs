@@ -2,21 +2,21 @@
 
 use super::tuning::sensor::SPLIT_FROM;
 use super::{Caught, measured};
-use crate::base::ids::GroupId;
-use crate::base::rng::Stream;
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
-use crate::estimate::ownership::Ownership;
-use crate::estimate::walk::{Vertex, Walker};
-use crate::film::accumulate::PlaneKey;
-use crate::film::guide::{Guide, Point, Sample};
-use crate::film::layer::Layer;
-use crate::world::World;
-use crate::world::eye::Arrival;
-use crate::world::mode::Mode;
-use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
-use crate::world::sensor::{SensorFace, Side};
+use crate::ShouldStop;
+use crate::emission::{Emission, Origin, Shots, Starts, Visitor};
+use crate::ownership::Ownership;
+use crate::walk::{Vertex, Walker};
+use eyebox_base::ids::GroupId;
+use eyebox_base::rng::Stream;
+use eyebox_film::accumulate::PlaneKey;
+use eyebox_film::guide::{Guide, Point, Sample};
+use eyebox_film::layer::Layer;
+use eyebox_world::World;
+use eyebox_world::eye::Arrival;
+use eyebox_world::mode::Mode;
+use eyebox_world::optics::Optics;
+use eyebox_world::scatter::Scatter;
+use eyebox_world::sensor::{SensorFace, Side};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 

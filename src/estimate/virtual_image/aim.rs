@@ -4,14 +4,14 @@
 use super::sent;
 use super::subject::{Point, Subject};
 use super::tuning::aim::{FINE, FINEST, NEAR};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::solver::media::OneWavelength;
-use crate::estimate::manifold::solver::newton::{Family, Target, newton};
-use crate::estimate::walk::{Meeting, Met};
-use crate::world::World;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
-use crate::world::surface::Surface;
+use crate::ledger::Ledger;
+use crate::manifold::solver::media::OneWavelength;
+use crate::manifold::solver::newton::{Family, Target, newton};
+use crate::walk::{Meeting, Met};
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
+use eyebox_world::surface::Surface;
 use glam::{DVec2, DVec3};
 use std::iter::once;
 

@@ -6,10 +6,10 @@ use super::image::{arcmin, turned};
 use super::look::{Effort, Landed, look_around};
 use super::subject::{Point, Subject};
 use super::tuning::ghosts::{MOST_BRANCHES, MOST_RIVALS, MOST_WAYS};
-use crate::base::chain::{Link, Step};
-use crate::world::World;
-use crate::world::mode::{Mode, Mono, MonoStokes};
-use crate::world::optics::Optics;
+use eyebox_base::chain::{Link, Step};
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono, MonoStokes};
+use eyebox_world::optics::Optics;
 use glam::{DVec2, DVec3};
 
 /// One point of a ghost beside the same point of the main image.

@@ -3,16 +3,16 @@
 use super::sent;
 use super::subject::Kind;
 use super::tuning::subject::{LOOKS, MOST_FACES};
-use crate::base::chain::{Chain, Step};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::specular_event::Branch;
-use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
-use crate::film::specular_chain::{Lens, SpecularChain};
-use crate::world::World;
-use crate::world::grating::Grating;
-use crate::world::mode::Mono;
-use crate::world::optics::Optics;
-use crate::world::surface::Surface;
+use crate::ledger::Ledger;
+use crate::specular_event::Branch;
+use crate::walk::{Meeting, Met, Vertex, Walker};
+use eyebox_base::chain::{Chain, Step};
+use eyebox_film::specular_chain::{Lens, SpecularChain};
+use eyebox_world::World;
+use eyebox_world::grating::Grating;
+use eyebox_world::mode::Mono;
+use eyebox_world::optics::Optics;
+use eyebox_world::surface::Surface;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 

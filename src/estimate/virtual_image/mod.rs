@@ -8,13 +8,13 @@ mod look;
 pub mod subject;
 mod tuning;
 
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::walk::{Travel, Walker};
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::mode::Mode;
-use crate::world::optics::Optics;
+use crate::walk::{Travel, Walker};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::Mode;
+use eyebox_world::optics::Optics;
 use glam::DVec3;
 
 /// A ray from the eye on its way: nothing is left to chance where its chain is known.

@@ -4,13 +4,13 @@
 use super::ghosts;
 use super::look::{Effort, Found, Landed, Way, look_around};
 use super::tuning::subject::{FLAT, INSET, LEAST, LOOKS, MOST_BRANCHES};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::film::specular_chain::SpecularChain;
-use crate::scene::Scene;
-use crate::world::World;
-use crate::world::mode::Mono;
-use crate::world::optics::Optics;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_film::specular_chain::SpecularChain;
+use eyebox_scene::Scene;
+use eyebox_world::World;
+use eyebox_world::mode::Mono;
+use eyebox_world::optics::Optics;
 use glam::{DAffine3, DVec2, DVec3};
 
 /// What kind of face is looked at. A slide goes before a lamp or a screen that is seen through specular faces, and that

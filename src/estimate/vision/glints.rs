@@ -1,8 +1,8 @@
 //! Places of the picture that show lamps: the pixels that they reach into have points of their own for them.
 
-use crate::estimate::tuning::vision::{LARGE, MOST_GLINTS, MOST_PIXELS};
-use crate::film::glint::Glint;
-use crate::world::eye::EyeLens;
+use crate::tuning::vision::{LARGE, MOST_GLINTS, MOST_PIXELS};
+use eyebox_film::glint::Glint;
+use eyebox_world::eye::EyeLens;
 use std::collections::HashMap;
 use std::ops::Range;
 

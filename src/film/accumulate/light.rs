@@ -1,6 +1,6 @@
 //! Light as it depends on the slide's contrast, and sums of it.
 
-use crate::base::double_double::Sum;
+use eyebox_base::double_double::Sum;
 
 /// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
 ///
@@ -118,18 +118,18 @@ impl Light {
 
 /// Numbers of a [`Light`], of which films hold sums: its `value`, the first two of its `powers`, `apart`, the other powers. The
 /// tiles that hold them have the first stand for the second: what crosses no slide is `value` alone.
-pub(in crate::film) const COLUMNS: usize = Light::DEGREE + 3;
+pub(crate) const COLUMNS: usize = Light::DEGREE + 3;
 
 impl Light {
     /// In the order of [`COLUMNS`].
-    pub(in crate::film) fn columns(&self) -> [f64; COLUMNS] {
+    pub(crate) fn columns(&self) -> [f64; COLUMNS] {
         let [open, first, others @ ..] = self.powers;
         let [second, third, fourth] = others;
         [self.value, open, first, self.apart, second, third, fourth]
     }
 
     /// From columns in that order.
-    pub(in crate::film) fn of_columns([value, open, first, apart, second, third, fourth]: [f64; COLUMNS]) -> Light {
+    pub(crate) fn of_columns([value, open, first, apart, second, third, fourth]: [f64; COLUMNS]) -> Light {
         Light { value, powers: [open, first, second, third, fourth], apart }
     }
 }

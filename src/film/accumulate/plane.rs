@@ -1,17 +1,17 @@
 //! Which light a plane of a film holds, and how many values of it.
 
 use super::Light;
-use crate::base::colour::ColourSpace;
-use crate::base::ids::GroupId;
-use crate::base::lpe::Takes;
-use crate::film::layer::Layer;
+use crate::layer::Layer;
+use eyebox_base::colour::ColourSpace;
+use eyebox_base::ids::GroupId;
+use eyebox_base::lpe::Takes;
 
 /// Which light a plane of a film holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub struct PlaneKey {
     pub layer: Layer,
     pub group: GroupId,
-    /// Which light path expressions take it, of those that part classes: bit [`Aov::part`](crate::film::aov::Aov::part).
+    /// Which light path expressions take it, of those that part classes: bit [`Aov::part`](crate::aov::Aov::part).
     #[serde(default, skip_serializing_if = "is_none_taken")]
     pub takes: Takes,
 }

@@ -1,8 +1,8 @@
 //! Luminance and chroma become red, green and blue: RY = (R − Y)/Y, BY = (B − Y)/Y, Y by the primaries of the file (OpenEXR,
 //! technical introduction, "Luminance/chroma images").
 
-use crate::base::colour::{Chromaticities, REC709};
-use crate::film::frame::{Frame, split_name};
+use crate::frame::{Frame, split_name};
+use eyebox_base::colour::{Chromaticities, REC709};
 use glam::{DMat3, DVec3};
 
 /// In every layer that has all three.

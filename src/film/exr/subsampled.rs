@@ -2,7 +2,7 @@
 //! compressed but refuses their headers: it is shown headers without the sampling, and blocks with it.
 
 use super::{b44, copy_samples};
-use crate::film::frame::Frame;
+use crate::frame::Frame;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
 use ::exr::block::{BlockIndex, UncompressedBlock};
 use ::exr::compression::Compression;

@@ -2,12 +2,12 @@
 
 use super::slides::{Crossed, Shows, SlideInfo};
 use super::{GroupInfo, Split, Sum};
-use crate::base::ids::GroupId;
-use crate::film::accumulate::light::Corners;
-use crate::film::accumulate::{Film, Light, MixError, Together};
-use crate::film::aov::{CHANGE_ERROR, OF_SERIES};
-use crate::film::frame::{Channel, Frame, Samples};
-use crate::film::layer::Layer;
+use crate::accumulate::light::Corners;
+use crate::accumulate::{Film, Light, MixError, Together};
+use crate::aov::{CHANGE_ERROR, OF_SERIES};
+use crate::frame::{Channel, Frame, Samples};
+use crate::layer::Layer;
+use eyebox_base::ids::GroupId;
 
 /// The largest share of a layer's peak by which recombining `open` and `content` may miss the layer.
 const SPLIT_TOLERANCE: f64 = 1e-7;

@@ -1,9 +1,9 @@
 //! Scenes with several slides: whose light is whose. Paths are told apart by the slide that they cross (bits of
-//! [`PlaneKey::takes`](crate::film::accumulate::PlaneKey::takes)), so light that crosses one slide alone depends on that one's
+//! [`PlaneKey::takes`](crate::accumulate::PlaneKey::takes)), so light that crosses one slide alone depends on that one's
 //! contrast alone, as in a scene with one slide.
 
-use crate::base::lpe::Takes;
-use crate::film::frame::Meta;
+use crate::frame::Meta;
+use eyebox_base::lpe::Takes;
 
 /// Metadata that lists the slides.
 pub const KEY: &str = "slides";

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(try_from = "Data", into = "Data")]
 pub struct ApertureGuide {
     tiles: [usize; 2],
-    /// Row by row. The last two axes are the pupil: [`crate::base::warp::disk`] makes a point of it of them.
+    /// Row by row. The last two axes are the pupil: [`eyebox_base::warp::disk`] makes a point of it of them.
     trees: Vec<Tree>,
 }
 

@@ -6,7 +6,7 @@
 
 use super::learn::{Even, Weighted, grow};
 use super::tree::{AXES, Point, Tree};
-use crate::base::warp::BELOW_ONE;
+use eyebox_base::warp::BELOW_ONE;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

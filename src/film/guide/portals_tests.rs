@@ -1,9 +1,9 @@
 //! Windows as a density of directions, and what a plan's file may say of them.
 
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::base::stats::Moments;
-use crate::base::warp::sphere;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::stats::Moments;
+use eyebox_base::warp::sphere;
 
 /// Learned from light that comes through a square of the upper z side into the middle of the box, and some of a low x one.
 fn learned() -> Portals {

@@ -1,7 +1,7 @@
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::base::sobol::Sobol;
-use crate::base::stats::Moments;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::sobol::Sobol;
+use eyebox_base::stats::Moments;
 
 const FLUX: [f64; 2] = [1.0, 3.0];
 
@@ -160,7 +160,7 @@ fn a_guided_aperture_is_unbiased_and_helps() {
     let middle = |field: [f64; 2]| [0.3 + 0.2 * field[0], 0.6 - 0.1 * field[1]];
     let crossing = |k: u64| {
         let mut rng = Rng::new(5, Stream::Check, 1, k);
-        let (field, at) = (rng.pair(), crate::base::warp::disk(rng.pair()) * radius);
+        let (field, at) = (rng.pair(), eyebox_base::warp::disk(rng.pair()) * radius);
         let [u, v] = middle(field);
         Lit { field, pupil: [u + at.x, v + at.y], weight: 1.0 }
     };

@@ -1,7 +1,7 @@
 //! A density on the unit cube that is constant in boxes: a binary tree of cuts across one axis at a time. Sampling walks
 //! down the cuts and stretches, at each, the one coordinate that it used, so that evenly spread points stay even.
 
-use crate::base::warp::BELOW_ONE;
+use eyebox_base::warp::BELOW_ONE;
 use serde::{Deserialize, Serialize};
 
 /// Numbers that a path starts with beside the choice of its lamp: two for the place, two for the direction.

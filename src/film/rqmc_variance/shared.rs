@@ -131,7 +131,7 @@ impl RqmcVariance {
 mod tests {
     use super::super::Evenness;
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::rng::{Rng, Stream};
 
     #[test]
     fn passes_are_counted_by_their_parts() {

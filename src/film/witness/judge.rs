@@ -10,12 +10,12 @@
 //! e^−λ for λ lumps to be expected, not that of a Gaussian. *What is known to be off*: blur and tables say by how much.
 
 use super::{Unwatched, Witness, pixels};
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::base::stats::{normal_tail, sidak_z};
-use crate::film::accumulate::{Components, Film};
-use crate::film::layer::Layer;
-use crate::film::totals::{ACROSS, DOWN, PARTS, part_of};
+use crate::accumulate::{Components, Film};
+use crate::layer::Layer;
+use crate::totals::{ACROSS, DOWN, PARTS, part_of};
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_base::stats::{normal_tail, sidak_z};
 
 /// Standard deviations beyond which a run is off, if there were but one thing to hold against it.
 const SIGMAS: f64 = 4.0;

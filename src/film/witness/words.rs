@@ -1,8 +1,8 @@
 //! What a witness says, for people.
 
 use super::{Judged, Judgement, Off};
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
 
 /// `led vision`, `led caustic + secondary`.
 fn named(group: &str, classes: &[Class]) -> String {

@@ -4,10 +4,10 @@
 use super::super::asset_attributes::AssetAttributes;
 use super::super::binding_slots::{Rank, Slot, Slots};
 use super::super::optics;
-use crate::base::error::Result;
-use crate::base::{Code, Error};
-use crate::scene::Finish;
-use crate::scene::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error};
+use eyebox_scene::Finish;
+use eyebox_scene::value::{Data, Value};
 
 /// The meaning of a slot; none where nothing is said, or in so many words that there is nothing.
 #[derive(Debug, Clone)]

@@ -1,10 +1,10 @@
 //! File names inside attributes, rewritten for another folder.
 
-use crate::base::Where;
-use crate::base::relative_path::{folder_of, relocated};
-use crate::scene::assembly::Assembly;
-use crate::scene::attribute::{Form, ROWS};
-use crate::scene::value::{Data, Value};
+use eyebox_base::Where;
+use eyebox_base::relative_path::{folder_of, relocated};
+use eyebox_scene::assembly::Assembly;
+use eyebox_scene::attribute::{Form, ROWS};
+use eyebox_scene::value::{Data, Value};
 use std::path::Path;
 
 /// Whether the text of an attribute is a file name; the sidecar's `asset` is that of the file that is written.

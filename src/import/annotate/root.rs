@@ -3,9 +3,9 @@
 use super::super::asset_attributes::{AssetAttributes, Library};
 use super::super::binding_slots::{Slot, Won};
 use super::super::optics;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::value::{Data, Value};
 
 /// The arrays of the root while it is written: the asset's own first, so that its indices stay.
 #[derive(Debug)]

@@ -3,10 +3,10 @@
 use super::super::binding_slots::{PartBound, Rank, Slot, Slots, Won};
 use super::meaning;
 use super::root::{Root, Row, row};
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::scene::assembly::Node;
-use crate::scene::value::{Data, Value};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::Node;
+use eyebox_scene::value::{Data, Value};
 use std::collections::BTreeSet;
 
 /// How much of a part's medium must be said.

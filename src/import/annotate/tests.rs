@@ -1,11 +1,11 @@
 //! An annotated asset means by itself what the asset and its sidecar mean together.
 
 use super::annotate;
-use crate::base::relative_path::folder_of;
-use crate::import::testing::assembly;
-use crate::import::tests::BASE;
-use crate::import::{Assembly, Value, build, toml};
-use crate::scene::Scene;
+use crate::testing::assembly;
+use crate::tests::BASE;
+use crate::{Assembly, Value, build, toml};
+use eyebox_base::relative_path::folder_of;
+use eyebox_scene::Scene;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -33,8 +33,8 @@ fn alone(assembly: &Assembly, sidecar: &Value, out: &Path) -> Assembly {
 #[test]
 fn both_huds_mean_the_same_without_their_sidecars() {
     for sample in ["samples/hud-direct/hud.optics.toml", "samples/hud-diffuse/hud.optics.toml"] {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(sample);
-        let (asset, sidecar) = crate::import::read(&file, &Default::default()).unwrap();
+        let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(sample);
+        let (asset, sidecar) = crate::read(&file, &Default::default()).unwrap();
         let sidecar = sidecar.unwrap().1;
         let alone = alone(&asset, &sidecar, &folder_of(&file));
         let again = annotate(&alone, None, &folder_of(&file)).unwrap();

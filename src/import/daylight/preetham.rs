@@ -1,7 +1,7 @@
 //! How bright and of which colour a clear sky is: Preetham, Shirley and Smits, "A practical analytic model for daylight",
 //! SIGGRAPH 1999, 91–100, appendix A.2. Its formulas are fits to simulations of turbidities from 2 to 6.
 
-use crate::base::colour::Xyz;
+use eyebox_base::colour::Xyz;
 use std::f64::consts::PI;
 
 /// A clear sky with the sun at one height.

@@ -1,8 +1,8 @@
 //! What is left of the sun's light after its way through the air: Preetham, Shirley and Smits, "A practical analytic model
 //! for daylight", SIGGRAPH 1999, 91–100, appendix A.1, after Iqbal, "An introduction to solar radiation", 1983.
 
-use crate::base::colour::{Xyz, tabulated, xyz};
-use crate::scene::Spectrum;
+use eyebox_base::colour::{Xyz, tabulated, xyz};
+use eyebox_scene::Spectrum;
 use std::f64::consts::PI;
 
 /// Full angle of the sun's disc, deg: its mean over the year.

@@ -10,7 +10,7 @@ pub(crate) struct Primitive {
 
 /// All faces of `samples/<file>`, in file order.
 pub(crate) fn primitives(file: &str) -> Vec<Primitive> {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(file);
+    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples").join(file);
     let bytes = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let glb = gltf::Gltf::from_slice_without_validation(&bytes).expect("the sample is a glb");
     let blob = glb.blob.as_deref().expect("the sample carries its buffer");

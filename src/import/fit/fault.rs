@@ -1,8 +1,8 @@
 //! Why a face could not be recovered, in words for people.
 
 use super::Kind;
-use crate::base::units::significant;
-use crate::base::{Code, Error, Where};
+use eyebox_base::units::significant;
+use eyebox_base::{Code, Error, Where};
 use glam::DVec3;
 use std::fmt;
 

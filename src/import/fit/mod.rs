@@ -26,7 +26,7 @@ pub use fault::FitError;
 pub use freeform::Open;
 
 use super::weld::{rounding, weld};
-use crate::scene::Shape;
+use eyebox_scene::Shape;
 use glam::DVec3;
 use pole::Face;
 use task::{Scale, Task};

@@ -259,7 +259,7 @@ fn a_bumped_cap_is_refused_with_its_residual() {
     let bump = |x: f64, y: f64| 0.01 * (-((x - 4.0).powi(2) + (y + 2.0).powi(2)) / 8.0).exp();
     let (points, triangles) = cap.mesh(41, bump);
     let error = simple(&points, &triangles, 5e-5).expect_err("10 µm of bump");
-    println!("{}", error.fault(crate::base::Where::part("LENS"), 1e-3));
+    println!("{}", error.fault(eyebox_base::Where::part("LENS"), 1e-3));
     let FitError::Misses { kind, rms, max, tolerance, asked, worst } = error else { panic!("{error}") };
     assert!(matches!(kind, Kind::Conic | Kind::Toroid) && !asked && tolerance == 5e-5);
     // The worst is on the bump.
@@ -369,6 +369,6 @@ proptest! {
         if let Ok(found) = fit(&points, &triangles, kind, tolerance) {
             prop_assert!(found.rms.is_finite() && found.max_residual >= found.rms * 0.999, "{found:?}");
         }
-        crate::import::normals::repair(&points, &mut points.iter().rev().take(9).copied().collect(), &triangles);
+        crate::normals::repair(&points, &mut points.iter().rev().take(9).copied().collect(), &triangles);
     }
 }

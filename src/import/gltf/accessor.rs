@@ -4,7 +4,7 @@
 
 use super::at::At;
 use super::buffers::Buffers;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 
 /// The raw document with its buffers.
 #[derive(Debug)]

@@ -8,10 +8,10 @@ use super::notes::Ledger;
 use super::pose::Moved;
 use super::sampler::{self, Checked, Kind};
 use super::transform::unit_rotation;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::{ReadOptions, Rigs};
-use crate::scene::motion::Clock;
+use crate::{ReadOptions, Rigs};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::motion::Clock;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 

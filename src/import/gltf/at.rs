@@ -2,8 +2,8 @@
 //! fault at its exact place.
 
 use super::notes::Budget;
-use crate::base::{Error, Where, error::Result};
-use crate::import::{json, value::Value};
+use crate::{json, value::Value};
+use eyebox_base::{Error, Where, error::Result};
 use serde_json::Value as Json;
 use std::path::Path;
 

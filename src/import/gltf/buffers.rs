@@ -1,8 +1,8 @@
 //! The bytes behind the buffers: the binary chunk, `data:` URIs, and files beside the asset.
 
 use super::at::At;
-use crate::base::Code;
-use crate::base::error::Result;
+use eyebox_base::Code;
+use eyebox_base::error::Result;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Read;

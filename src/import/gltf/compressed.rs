@@ -7,7 +7,7 @@ use super::draco;
 use super::features::{DRACO, MESHOPT, MESHOPT_KHR};
 use super::meshopt;
 use super::notes::{Budget, Ledger};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 

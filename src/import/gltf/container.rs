@@ -2,8 +2,8 @@
 //! of them JSON, the second (if any) the first buffer (glTF 2.0, section 4.4). Told apart by their first bytes.
 
 use super::notes::Notes;
-use crate::base::{Error, Where, error::Result};
-use crate::scene::Severity;
+use eyebox_base::{Error, Where, error::Result};
+use eyebox_scene::Severity;
 use serde_json::Value as Json;
 use std::path::Path;
 

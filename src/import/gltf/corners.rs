@@ -4,7 +4,7 @@ use super::accessor::Document;
 use super::at::At;
 use super::notes::Ledger;
 use super::primitive::{TRIANGLE, open};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 
 /// How the corners make triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

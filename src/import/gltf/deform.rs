@@ -7,9 +7,9 @@ use super::notes::Ledger;
 use super::primitive::FaceMesh;
 use super::skin::Bones;
 use super::{morph, skin};
-use crate::base::Code;
-use crate::base::error::Result;
-use crate::import::skinning;
+use crate::skinning;
+use eyebox_base::Code;
+use eyebox_base::error::Result;
 use glam::DVec3;
 
 /// How a node bends its mesh.

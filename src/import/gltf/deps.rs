@@ -4,9 +4,9 @@ use super::at::At;
 use super::buffers::{data_scheme, resolve};
 use super::container;
 use super::notes::{Budget, Notes};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::deps::{Dependency, named, profile};
+use crate::deps::{Dependency, named, profile};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
 use serde_json::Value as Json;
 use std::path::Path;
 

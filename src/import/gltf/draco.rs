@@ -4,8 +4,8 @@ use super::at::At;
 use super::buffers::Buffers;
 use super::compressed::Array;
 use super::notes::Ledger;
-use crate::base::error::Result;
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
+use eyebox_base::error::Result;
 
 /// The possible lanes of an attribute; none for one that is not read.
 fn lanes_of(name: &str) -> Option<&'static [usize]> {

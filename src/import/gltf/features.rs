@@ -3,9 +3,9 @@
 use super::at::At;
 use super::notes::Notes;
 use super::variants;
-use crate::base::{Code, Where, error::Result, error::nearest_name};
-use crate::import::json::step;
-use crate::scene::{Note, Severity};
+use crate::json::step;
+use eyebox_base::{Code, Where, error::Result, error::nearest_name};
+use eyebox_scene::{Note, Severity};
 use serde_json::Value as Json;
 use std::collections::HashMap;
 

@@ -3,7 +3,7 @@
 use super::accessor::Document;
 use super::at::At;
 use super::notes::Notes;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 
 #[derive(Debug)]
 pub(super) struct Tree<'a> {

@@ -4,8 +4,8 @@ use super::accessor::Document;
 use super::at::At;
 use super::buffers;
 use super::notes::Ledger;
-use crate::base::error::Result;
-use crate::import::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
+use crate::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
+use eyebox_base::error::Result;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;
 
@@ -98,7 +98,7 @@ fn colour(at: &At<'_>, key: &str, ledger: &mut Ledger) -> Result<(f64, [f64; 3])
     if color.iter().any(|lane| *lane < 0.0) {
         return Err(field.fault("a negative colour").expected("3 numbers from 0 to 1"));
     }
-    let luminance = crate::base::colour::luminance(color);
+    let luminance = eyebox_base::colour::luminance(color);
     let whole = strength * luminance;
     if !whole.is_finite() {
         return Err(field.fault("the light overflows").expected("3 numbers from 0 to 1"));

@@ -3,11 +3,11 @@
 use super::at::At;
 use super::notes::Ledger;
 use super::surface;
-use crate::base::Code;
-use crate::base::colour::luminance;
-use crate::base::error::Result;
-use crate::import::assembly::Material;
-use crate::import::value::{Data, Value};
+use crate::assembly::Material;
+use crate::value::{Data, Value};
+use eyebox_base::Code;
+use eyebox_base::colour::luminance;
+use eyebox_base::error::Result;
 
 /// Reads material `index`. Only what the file says is mapped; its defaults are ours to choose.
 ///

@@ -6,9 +6,9 @@ use super::deform::Deform;
 use super::notes::Ledger;
 use super::primitive::{self, FaceMesh, FaceName};
 use super::variants;
-use crate::base::error::Result;
-use crate::import::assembly::MeshSource;
-use crate::scene::{FaceRange, Mesh};
+use crate::assembly::MeshSource;
+use eyebox_base::error::Result;
+use eyebox_scene::{FaceRange, Mesh};
 
 /// Reads mesh `index`, which stands at `at`, bent as `deform` says. Vertices are not merged between faces.
 pub(super) fn read(
@@ -35,7 +35,7 @@ pub(super) fn read(
 }
 
 /// Appends a face; none if its indices do not fit into 32 bits.
-pub(in crate::import) fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
+pub(crate) fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
     let base = u32::try_from(mesh.positions.len()).ok()?;
     u32::try_from(mesh.positions.len() + face.positions.len()).ok()?;
     let first = u32::try_from(mesh.triangles.len()).ok()?;

@@ -5,7 +5,7 @@ use super::at::At;
 use super::buffers::Buffers;
 use super::compressed::Block;
 use super::notes::Budget;
-use crate::base::error;
+use eyebox_base::error;
 use meshoptimizer_rs::{Error, Workspace, codec};
 
 /// Decodes the view whose extension object is `at`.

@@ -46,11 +46,11 @@ pub use deps::dependencies;
 
 use super::ReadOptions;
 use super::assembly::Assembly;
-use crate::base::{Code, Error, Where, error::Result};
-use crate::scene::Note;
 use accessor::Document;
 use at::At;
 use buffers::Buffers;
+use eyebox_base::{Code, Error, Where, error::Result};
+use eyebox_scene::Note;
 use glam::DVec3;
 use notes::{Budget, Ledger, Notes};
 use std::path::Path;

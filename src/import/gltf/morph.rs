@@ -5,8 +5,8 @@ use super::at::At;
 use super::deform::{Bent, Target};
 use super::notes::Ledger;
 use super::primitive::{check_type, open, same_count};
-use crate::base::Code;
-use crate::base::error::Result;
+use eyebox_base::Code;
+use eyebox_base::error::Result;
 use glam::DVec3;
 
 /// How many targets the mesh `at` has, as its first primitive says.

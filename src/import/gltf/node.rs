@@ -7,11 +7,11 @@ use super::notes::Ledger;
 use super::pose::Pose;
 use super::shapes::Shapes;
 use super::{animation, features, light, transform, world};
-use crate::base::Code;
-use crate::base::error::Result;
-use crate::import::assembly::{Assembly, Camera, Frustum, Node};
-use crate::import::{ReadOptions, Rigs};
-use crate::scene::assembly::Film;
+use crate::assembly::{Assembly, Camera, Frustum, Node};
+use crate::{ReadOptions, Rigs};
+use eyebox_base::Code;
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::Film;
 use glam::{DAffine3, DQuat};
 use std::mem::size_of;
 

@@ -5,20 +5,20 @@ use super::accessor::Accessor;
 use super::at::At;
 use super::notes::Notes;
 use super::primitive::FaceMesh;
-use crate::base::Code;
+use eyebox_base::Code;
 use glam::DVec3;
 
 /// Used where neither the file nor the triangles give a direction.
 const ANY: [f32; 3] = [0.0, 0.0, 1.0];
 
 /// Twice the area of a triangle times its unit normal, by the right-hand rule.
-pub(in crate::import) fn area_normal(positions: &[[f32; 3]], triangle: [u32; 3]) -> DVec3 {
+pub(crate) fn area_normal(positions: &[[f32; 3]], triangle: [u32; 3]) -> DVec3 {
     let corner = |i: u32| positions.get(i as usize).map_or(DVec3::ZERO, |p| DVec3::from(p.map(f64::from)));
     let [a, b, c] = triangle.map(corner);
     (b - a).cross(c - a)
 }
 
-pub(in crate::import) fn unit(normal: DVec3) -> Option<[f32; 3]> {
+pub(crate) fn unit(normal: DVec3) -> Option<[f32; 3]> {
     // The length is taken after scaling: neither denormal nor huge vectors lose their direction.
     let largest = normal.abs().max_element();
     let usable = largest > 0.0 && largest.is_finite() && normal.is_finite();
@@ -28,7 +28,7 @@ pub(in crate::import) fn unit(normal: DVec3) -> Option<[f32; 3]> {
 /// Whether every normal is within 20° of every triangle at its vertex: then none contradicts, and the thorough look
 /// around each vertex (which costs some microseconds a triangle) can be left out. On a fine tessellation only faces
 /// with a wrong normal fail.
-pub(in crate::import) fn are_sound(positions: &[[f32; 3]], normals: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
+pub(crate) fn are_sound(positions: &[[f32; 3]], normals: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
     const COS_20: f64 = 0.939_692_620_785_908_4;
     triangles.iter().all(|&triangle| {
         let area = area_normal(positions, triangle);
@@ -43,13 +43,13 @@ pub(super) fn flat(face: FaceMesh, at: &At<'_>, notes: &mut Notes) -> FaceMesh {
     let (out, without_area) = flat_shaded(&face);
     if without_area > 0 {
         let text = "a triangle without area and without normals";
-        notes.add_many(crate::scene::Severity::Info, at.place(), text, without_area);
+        notes.add_many(eyebox_scene::Severity::Info, at.place(), text, without_area);
     }
     out
 }
 
 /// The face with vertices of its own for each triangle and flat normals, and how many triangles have no area.
-pub(in crate::import) fn flat_shaded(face: &FaceMesh) -> (FaceMesh, usize) {
+pub(crate) fn flat_shaded(face: &FaceMesh) -> (FaceMesh, usize) {
     let (mut out, mut without_area) = (FaceMesh::default(), 0);
     out.triangles.reserve_exact(face.triangles.len());
     out.positions.reserve_exact(3 * face.triangles.len());
@@ -75,7 +75,7 @@ pub(in crate::import) fn flat_shaded(face: &FaceMesh) -> (FaceMesh, usize) {
 }
 
 /// Normals as [`settle`] leaves them, and what was wrong with how many.
-pub(in crate::import) struct Settled {
+pub(crate) struct Settled {
     pub normals: Vec<[f32; 3]>,
     /// Not of unit length: normalised.
     pub off: usize,
@@ -97,22 +97,17 @@ pub(super) fn settled(
     let Settled { normals, off, broken } = settle(read, positions, triangles, tolerance);
     if off > 0 {
         let text = "normals that are not of unit length: normalised";
-        notes.add_many(crate::scene::Severity::Info, accessor.at.place(), text, off);
+        notes.add_many(eyebox_scene::Severity::Info, accessor.at.place(), text, off);
     }
     if broken > 0 {
         let text = "a normal that is zero or not finite: computed from the triangles around its vertex";
-        notes.add(crate::scene::Note::warning(accessor.at.place(), text).code(Code::DataNotFinite), broken);
+        notes.add(eyebox_scene::Note::warning(accessor.at.place(), text).code(Code::DataNotFinite), broken);
     }
     normals
 }
 
 /// As [`settled`]; lengths off by up to `tolerance` are not counted.
-pub(in crate::import) fn settle(
-    read: Vec<[f32; 3]>,
-    positions: &[[f32; 3]],
-    triangles: &[[u32; 3]],
-    tolerance: f64,
-) -> Settled {
+pub(crate) fn settle(read: Vec<[f32; 3]>, positions: &[[f32; 3]], triangles: &[[u32; 3]], tolerance: f64) -> Settled {
     let mut out = Settled { normals: read, off: 0, broken: 0 };
     let mut broken = Vec::new();
     for (vertex, normal) in out.normals.iter_mut().enumerate() {

@@ -1,12 +1,12 @@
 //! What a reader has to say, once per kind with a count and the first place; and how much memory it may still use.
 
 use super::at::At;
-use crate::base::{Code, Error, Where, error::Result};
-use crate::scene::{Note, Severity};
+use eyebox_base::{Code, Error, Where, error::Result};
+use eyebox_scene::{Note, Severity};
 use std::collections::HashMap;
 
 #[derive(Debug, Default)]
-pub(in crate::import) struct Notes {
+pub(crate) struct Notes {
     entries: Vec<(Note, usize)>,
     by_text: HashMap<String, usize>,
 }

@@ -4,10 +4,10 @@ use super::accessor::Document;
 use super::at::At;
 use super::buffers;
 use super::notes::Ledger;
-use crate::base::Shared;
-use crate::base::error::Result;
-use crate::scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
-use crate::scene::{Texture, TextureInput};
+use eyebox_base::Shared;
+use eyebox_base::error::Result;
+use eyebox_scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
+use eyebox_scene::{Texture, TextureInput};
 use std::collections::HashMap;
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@ use super::at::At;
 use super::hierarchy::Tree;
 use super::notes::Ledger;
 use super::transform;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
 

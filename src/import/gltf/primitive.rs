@@ -6,22 +6,22 @@ use super::corners::{self, Shape, compact};
 use super::deform::{self, Deform, Target};
 use super::normals;
 use super::notes::Ledger;
-use crate::base::Code;
-use crate::base::error::Result;
-use crate::import::normals::repair;
-use crate::scene::{Note, Severity};
+use crate::normals::repair;
+use eyebox_base::Code;
+use eyebox_base::error::Result;
+use eyebox_scene::{Note, Severity};
 use glam::DVec3;
 
 /// The geometry of one face, indices from 0.
 #[derive(Debug, Default)]
-pub(in crate::import) struct FaceMesh {
+pub(crate) struct FaceMesh {
     pub positions: Vec<[f32; 3]>,
     pub normals: Vec<[f32; 3]>,
     /// One per position, or none.
     pub uvs: Vec<[f32; 2]>,
     /// A second set, one per position, or none.
     pub second_uvs: Vec<[f32; 2]>,
-    /// As [`Mesh::tangents`](crate::scene::Mesh::tangents).
+    /// As [`Mesh::tangents`](eyebox_scene::Mesh::tangents).
     pub tangents: Vec<[f32; 4]>,
     /// Linear Rec.709 and alpha, one per position, or none.
     pub colors: Vec<[f32; 4]>,

@@ -9,9 +9,9 @@ use super::notes::Ledger;
 use super::pose::Pose;
 use super::primitive::{self, FaceMesh, FaceName, open};
 use super::skin::{self, Bones};
-use crate::base::error::Result;
-use crate::import::Rigs;
-use crate::scene::motion::{self, Joint, Rig, Skin, Vertices};
+use crate::Rigs;
+use eyebox_base::error::Result;
+use eyebox_scene::motion::{self, Joint, Rig, Skin, Vertices};
 use glam::DVec3;
 
 /// The rig of the mesh at `at`, which `deform` bends at the moment to these triangles; none, where only the bent vertices say it:

@@ -4,7 +4,7 @@ use super::accessor::{Accessor, Component, Document};
 use super::at::At;
 use super::notes::Ledger;
 use super::primitive::open;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use glam::DVec4;
 use std::collections::HashSet;
 

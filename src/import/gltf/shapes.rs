@@ -8,9 +8,9 @@ use super::notes::Ledger;
 use super::pose::Pose;
 use super::skin::Bones;
 use super::{mesh, morph, rig};
-use crate::base::error::Result;
-use crate::import::Rigs;
-use crate::import::assembly::MeshSource;
+use crate::Rigs;
+use crate::assembly::MeshSource;
+use eyebox_base::error::Result;
 use glam::DAffine3;
 use std::collections::HashMap;
 

@@ -7,8 +7,8 @@ use super::deform::{Bent, Target};
 use super::notes::Ledger;
 use super::pose::Pose;
 use super::primitive::{open, same_count};
-use crate::base::error::Result;
-use crate::import::skinning::{self, Blend};
+use crate::skinning::{self, Blend};
+use eyebox_base::error::Result;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The matrices of a skin: mesh → the axes in which the bent mesh is written.

@@ -5,9 +5,9 @@ use super::accessor::Document;
 use super::at::At;
 use super::notes::Ledger;
 use super::picture::{self, Pictures};
-use crate::base::error::Result;
-use crate::scene::texture::{Channel, Encoding};
-use crate::scene::{
+use eyebox_base::error::Result;
+use eyebox_scene::texture::{Channel, Encoding};
+use eyebox_scene::{
     Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface, TextureInput,
 };
 

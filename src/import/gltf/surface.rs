@@ -2,8 +2,8 @@
 
 use super::at::At;
 use super::notes::Ledger;
-use crate::base::error::Result;
-use crate::import::value::{Data, Value};
+use crate::value::{Data, Value};
+use eyebox_base::error::Result;
 
 type Row = (String, Value);
 

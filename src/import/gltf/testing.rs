@@ -1,7 +1,7 @@
 //! Small glTF assets made by hand, for tests of this reader and of whatever reads its assemblies.
 
-use crate::base::error::Result;
-use crate::import::{Assembly, ReadOptions};
+use crate::{Assembly, ReadOptions};
+use eyebox_base::error::Result;
 use serde_json::{Value as Json, json};
 
 /// An asset under construction: JSON that a test may edit at will, and one binary buffer.

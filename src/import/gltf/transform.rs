@@ -3,8 +3,8 @@
 use super::at::At;
 use super::notes::Notes;
 use super::pose::Moved;
-use crate::base::Code;
-use crate::base::error::Result;
+use eyebox_base::Code;
+use eyebox_base::error::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// The local transform of a node: a matrix, or translation · rotation · scale, where what an animation moves takes the place
@@ -70,7 +70,7 @@ pub(super) fn unit_rotation(at: &At<'_>, xyzw: [f64; 4], tolerance: f64, notes: 
 }
 
 /// Whether the volume of the transformed unit cube is rounding noise, compared with a box of its edges.
-pub(in crate::import) fn is_singular(transform: DAffine3) -> bool {
+pub(crate) fn is_singular(transform: DAffine3) -> bool {
     let m = transform.matrix3;
     let edges = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
     // Edge by edge, so that neither a scale of 1e-120 nor one of 1e120 leaves the range of f64.

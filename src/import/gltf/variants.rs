@@ -2,9 +2,9 @@
 
 use super::accessor::Document;
 use super::at::At;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::variants::VariantChoice;
+use crate::variants::VariantChoice;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 
 const NAME: &str = "KHR_materials_variants";
 

@@ -3,7 +3,7 @@
 
 use super::at::At;
 use super::transform;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use glam::{DMat3, DVec3};
 
 /// The mark of the node, an entry of its `extras`.

@@ -2,11 +2,11 @@
 
 use super::pairs::{self, is_same, is_same_camera, is_same_light, is_same_material};
 use super::tracks::{Room, Tracks};
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::scene::Note;
-use crate::scene::assembly::{Assembly, MeshSource};
-use crate::scene::motion::{MeshMotion, Motion, NodeMotion, Pose, RigMotion, Vertices};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
+use eyebox_scene::Note;
+use eyebox_scene::assembly::{Assembly, MeshSource};
+use eyebox_scene::motion::{MeshMotion, Motion, NodeMotion, Pose, RigMotion, Vertices};
 use glam::DAffine3;
 use std::collections::{BTreeSet, HashSet};
 

@@ -6,10 +6,10 @@ mod pairs;
 mod tracks;
 
 use super::{Assembly, ReadOptions, Rigs, Value, read};
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::scene::Note;
-use crate::scene::motion::{self, Motion};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
+use eyebox_scene::Note;
+use eyebox_scene::motion::{self, Motion};
 use found::Found;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! Which thing of an asset at a frame is which of those without a frame: what blinks must not shift its neighbours.
 
-use crate::base::Where;
-use crate::scene::assembly::{Assembly, Camera, LightSource, Material};
-use crate::scene::value::Value;
+use eyebox_base::Where;
+use eyebox_scene::assembly::{Assembly, Camera, LightSource, Material};
+use eyebox_scene::value::Value;
 use std::collections::{HashMap, VecDeque};
 use std::hash::Hash;
 

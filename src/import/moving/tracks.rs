@@ -1,8 +1,8 @@
 //! Values at one frame after the other, kept from the first frame on at which one of them moves.
 
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::motion::{Pose, Vertices};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::motion::{Pose, Vertices};
 use glam::DAffine3;
 use std::collections::BTreeMap;
 

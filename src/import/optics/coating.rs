@@ -2,12 +2,12 @@
 
 use super::fields::{Fields, one_of, union};
 use super::medium;
-use crate::base::error::Result;
-use crate::base::{Code, Error};
-use crate::import::value::Value;
-use crate::scene::attribute::{self, Noun};
-use crate::scene::coating::SpectralAngular;
-use crate::scene::{Coating, CoatingLaw, CoatingTable, Dispersion, FilmLayer, Note};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error};
+use eyebox_scene::attribute::{self, Noun};
+use eyebox_scene::coating::SpectralAngular;
+use eyebox_scene::{Coating, CoatingLaw, CoatingTable, Dispersion, FilmLayer, Note};
 
 /// A coating, called `name` unless the value names itself; none for `"none"`.
 pub fn coating(value: &Value, name: &str, notes: &mut Vec<Note>) -> Result<Option<Coating>> {

@@ -2,11 +2,11 @@
 //! and a direction, in any order, separated by commas, semicolons or tabs. `#` starts a comment.
 
 use super::grating::MOST_ORDERS;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::text::{SEPARATORS, cells};
-use crate::scene::Grating;
-use crate::scene::efficiency_table::{Efficiency, EfficiencyGrid, EfficiencyTable};
+use crate::text::{SEPARATORS, cells};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::Grating;
+use eyebox_scene::efficiency_table::{Efficiency, EfficiencyGrid, EfficiencyTable};
 use std::fmt;
 use std::path::Path;
 
@@ -281,7 +281,7 @@ fn grid(mut rows: Vec<Row>, orders: &[i32], (by_side, back): (bool, bool), file:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::efficiency_table::Incidence;
+    use eyebox_scene::efficiency_table::Incidence;
 
     fn read(text: &str) -> Result<EfficiencyTable> {
         efficiency_table(text.as_bytes(), Path::new("g.csv"), &Where::Nowhere)

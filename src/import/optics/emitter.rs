@@ -3,12 +3,12 @@
 use super::fields::{Fields, union};
 use super::slide::{SlideSpec, picture};
 use super::spectrum::{SpectrumSpec, spectrum};
-use crate::base::colour::ColourSpace;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::value::Value;
-use crate::scene::attribute::{Noun, PICTURE};
-use crate::scene::{Note, Photometry, Spectrum};
+use crate::value::Value;
+use eyebox_base::colour::ColourSpace;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::attribute::{Noun, PICTURE};
+use eyebox_scene::{Note, Photometry, Spectrum};
 use glam::DVec3;
 
 /// An emitter with its group still by name.
@@ -60,7 +60,7 @@ pub enum Spreading {
 pub const STRENGTHS: [&str; 6] =
     ["flux_lm", "luminance_cd_m2", "primaries_cd_m2", "intensity_cd", "illuminance_lx", "radiant_flux_w"];
 
-pub use crate::scene::attribute::EMITTER as ATTRIBUTES;
+pub use eyebox_scene::attribute::EMITTER as ATTRIBUTES;
 
 /// What goes with a ray file: all else says of a face what its rays have of their own.
 const OF_RAYS: [&str; 6] = ["name", "group", "flux_lm", "radiant_flux_w", "angular", "spectrum"];

@@ -2,11 +2,11 @@
 
 use super::fields::Fields;
 use super::slide::ORTHOGONAL;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::value::Value;
-use crate::scene::attribute::Noun;
-use crate::scene::{BinocularLimits, Note};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::attribute::Noun;
+use eyebox_scene::{BinocularLimits, Note};
 use glam::DVec3;
 
 /// Where the search for the pupil of an adapted eye begins: that of an eye by day.

@@ -1,13 +1,13 @@
 //! Checked access to a table of attributes: unknown names, wrong forms and numbers out of range become faults with the
 //! row's range and the nearest name.
 
-use crate::base::error::Result;
-use crate::base::units::parse_length_m;
-use crate::base::{Code, Error, Where};
-use crate::import::value::{Data, Value};
-use crate::scene::Note;
-use crate::scene::attribute::union::split;
-use crate::scene::attribute::{self, Form, Kind, Noun, Row, Support};
+use crate::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::units::parse_length_m;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::Note;
+use eyebox_scene::attribute::union::split;
+use eyebox_scene::attribute::{self, Form, Kind, Noun, Row, Support};
 use glam::DVec3;
 
 /// The attributes of one thing.

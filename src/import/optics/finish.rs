@@ -2,11 +2,11 @@
 
 use super::fields::union;
 use super::grating::GratingSpec;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::value::Value;
-use crate::scene::attribute::Noun;
-use crate::scene::{Finish, Note, Retardance, StandardSurface, WavePlate};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::attribute::Noun;
+use eyebox_scene::{Finish, Note, Retardance, StandardSurface, WavePlate};
 use glam::DVec3;
 
 /// A finish, a file that it names still to be read.

@@ -2,11 +2,11 @@
 
 use super::fields::Fields;
 use super::wave_plate::word;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::value::Value;
-use crate::scene::attribute::{self, Noun};
-use crate::scene::{Grating, Note, Order, Orders};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::attribute::{self, Noun};
+use eyebox_scene::{Grating, Note, Order, Orders};
 use glam::DVec3;
 
 /// Orders of one grating: each is a way on that every ray weighs.

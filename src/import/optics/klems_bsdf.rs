@@ -10,12 +10,12 @@
 mod basis;
 mod even;
 
-use crate::base::Where;
-use crate::base::error::{Error, Result};
-use crate::scene::Note;
-use crate::scene::scatter_table::Measurement;
 use basis::{Basis, own_basis};
 use even::even;
+use eyebox_base::Where;
+use eyebox_base::error::{Error, Result};
+use eyebox_scene::Note;
+use eyebox_scene::scatter_table::Measurement;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::path::Path;
 

@@ -1,12 +1,12 @@
 //! The attributes of a medium: its index in one of several laws, absorption, priority.
 
 use super::fields::{Fields, code, number};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::agf::Reference;
-use crate::import::value::{Data, Value};
-use crate::scene::attribute::{self, Noun, Range, Row};
-use crate::scene::{Absorption, Dispersion, glass};
+use crate::agf::Reference;
+use crate::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::attribute::{self, Noun, Range, Row};
+use eyebox_scene::{Absorption, Dispersion, glass};
 
 /// A glass of the catalogue or of a catalogue file: its name there and its law.
 pub(super) fn catalogue(name: &str, at: &Where) -> Result<(String, Dispersion)> {

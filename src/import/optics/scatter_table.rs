@@ -4,11 +4,11 @@
 
 use super::klems_bsdf::{self, KlemsBsdf};
 use super::zemax_bsdf::{self, ZemaxBsdf};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::text::{SEPARATORS, cells};
-use crate::scene::scatter_table::{Flaw, Measurement};
-use crate::scene::{Note, ScatterTable};
+use crate::text::{SEPARATORS, cells};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::scatter_table::{Flaw, Measurement};
+use eyebox_scene::{Note, ScatterTable};
 use std::path::Path;
 
 /// The names of the columns.

@@ -1,11 +1,11 @@
 //! `sensor`: a map of the light that arrives at a face.
 
 use super::fields::Fields;
-use crate::base::Error;
-use crate::base::error::Result;
-use crate::import::value::Value;
-use crate::scene::Sensor;
-use crate::scene::attribute::Noun;
+use crate::value::Value;
+use eyebox_base::Error;
+use eyebox_base::error::Result;
+use eyebox_scene::Sensor;
+use eyebox_scene::attribute::Noun;
 
 /// Faults: attributes that are missing, of the wrong form or out of range, pixels that are no whole numbers.
 pub fn sensor(value: &Value) -> Result<Sensor> {

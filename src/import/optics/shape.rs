@@ -1,12 +1,12 @@
 //! `shape`: the exact surface of a face.
 
 use super::fields::{Fields, union};
-use crate::base::Error;
-use crate::base::error::Result;
-use crate::import::fit::Kind as Surface;
-use crate::import::value::Value;
-use crate::scene::attribute::Noun;
-use crate::scene::{Note, Shape};
+use crate::fit::Kind as Surface;
+use crate::value::Value;
+use eyebox_base::Error;
+use eyebox_base::error::Result;
+use eyebox_scene::attribute::Noun;
+use eyebox_scene::{Note, Shape};
 use glam::DVec3;
 
 /// A shape as it is asked for.

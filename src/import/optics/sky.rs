@@ -2,11 +2,11 @@
 
 use super::emitter::group_name;
 use super::fields::Fields;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::value::Value;
-use crate::scene::Note;
-use crate::scene::attribute::{Noun, SKIES, SUN_SKY, own_rows};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::Note;
+use eyebox_scene::attribute::{Noun, SKIES, SUN_SKY, own_rows};
 
 /// A sky before its picture is read or made, and turned.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
 //! `slide`: a thin transmissive picture on a face.
 
 use super::fields::Fields;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::value::Value;
-use crate::scene::attribute::Noun;
-use crate::scene::{Note, Polarisation};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::attribute::Noun;
+use eyebox_scene::{Note, Polarisation};
 use glam::DVec3;
 
 /// A slide before its picture is read and placed. Lengths in mesh units.
@@ -28,7 +28,7 @@ pub struct SlideSpec {
     pub primaries: Option<[f64; 3]>,
 }
 
-pub use crate::scene::attribute::SLIDE as ATTRIBUTES;
+pub use eyebox_scene::attribute::SLIDE as ATTRIBUTES;
 
 pub fn slide(value: &Value, notes: &mut Vec<Note>) -> Result<SlideSpec> {
     let fields = Fields::of(Noun::Slide, "slide", value, &ATTRIBUTES)?;

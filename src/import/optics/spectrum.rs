@@ -1,11 +1,11 @@
 //! `spectrum`: the colour of an emitter's light.
 
 use super::fields::{not_yet, union};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::value::Value;
-use crate::scene::attribute::Noun;
-use crate::scene::{Led, Spectrum};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::attribute::Noun;
+use eyebox_scene::{Led, Spectrum};
 use std::path::Path;
 
 /// A spectrum before its file is read.

@@ -3,11 +3,11 @@
 use super::emitter::group_name;
 use super::fields::Fields;
 use super::sky::frame;
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::import::value::Value;
-use crate::scene::Note;
-use crate::scene::attribute::Noun;
+use crate::value::Value;
+use eyebox_base::Where;
+use eyebox_base::error::Result;
+use eyebox_scene::Note;
+use eyebox_scene::attribute::Noun;
 use glam::DVec3;
 
 /// A sun before its direction is turned into the world.

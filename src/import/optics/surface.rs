@@ -1,11 +1,11 @@
 //! `finish = { kind = "surface" }`: an ordinary material, each parameter a number or a colour, a picture, or their product.
 
 use super::fields::Fields;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Shared};
-use crate::import::files;
-use crate::scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
-use crate::scene::{
+use crate::files;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Shared};
+use eyebox_scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
+use eyebox_scene::{
     Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Note, Opacity, Scalar, StandardSurface, Texture, TextureInput,
 };
 

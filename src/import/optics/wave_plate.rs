@@ -1,11 +1,11 @@
 //! What a finish says of a wave plate.
 
 use super::fields::{Fields, number, rows};
-use crate::base::Error;
-use crate::base::error::Result;
-use crate::import::value::Data;
-use crate::scene::attribute::{self, Noun};
-use crate::scene::{Retardance, WavePlate};
+use crate::value::Data;
+use eyebox_base::Error;
+use eyebox_base::error::Result;
+use eyebox_scene::attribute::{self, Noun};
+use eyebox_scene::{Retardance, WavePlate};
 
 /// The wave plate of a finish; none if there is neither a retardance nor, where indices alone are enough for a `quarter` wave
 /// plate, those. Faults: both retardances, one index alone, wavelengths that do

@@ -1,11 +1,11 @@
 //! The attributes of the whole asset: wavelengths, unit, version of the vocabulary.
 
 use super::fields::{not_yet, number, union};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::value::Value;
-use crate::scene::attribute::{self, Noun};
-use crate::scene::{Note, Wavelengths};
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::attribute::{self, Noun};
+use eyebox_scene::{Note, Wavelengths};
 
 /// `{ mono_nm = 550 }` or `"visible"` (the default, noted).
 pub fn wavelengths(value: Option<&Value>, notes: &mut Vec<Note>) -> Result<Wavelengths> {

@@ -7,9 +7,9 @@
 //! What is measured is read between its own angles, where a lobe keeps its place, and put on the grid of a
 //! [`Measurement`], whose angles are those to the normal.
 
-use crate::base::Where;
-use crate::base::error::{Error, Result};
-use crate::scene::scatter_table::{Measurement, mix, place};
+use eyebox_base::Where;
+use eyebox_base::error::{Error, Result};
+use eyebox_scene::scatter_table::{Measurement, mix, place};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 

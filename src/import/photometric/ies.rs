@@ -3,10 +3,10 @@
 use super::planes::{Symmetry, expand};
 use super::text::{self, Lines, Numbers, shown};
 use super::{Files, grid};
-use crate::base::error::Result;
-use crate::base::{Code, Where};
-use crate::scene::Note;
-use crate::scene::profile::{LuminousProfile, ProfileFacts};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Where};
+use eyebox_scene::Note;
+use eyebox_scene::profile::{LuminousProfile, ProfileFacts};
 use std::path::Path;
 
 /// Metres of a foot, the other unit of LM-63.

@@ -3,9 +3,9 @@
 use super::grid;
 use super::planes::{Symmetry, expand};
 use super::text::{Lines, parse, shown};
-use crate::base::Error;
-use crate::base::error::Result;
-use crate::scene::profile::{LuminousProfile, ProfileFacts};
+use eyebox_base::Error;
+use eyebox_base::error::Result;
+use eyebox_scene::profile::{LuminousProfile, ProfileFacts};
 use std::path::Path;
 
 /// The lines of the file one after the other.

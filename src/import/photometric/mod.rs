@@ -10,11 +10,11 @@ mod planes;
 mod tests;
 mod text;
 
-use crate::base::error::Result;
-use crate::base::{Code, Where};
-use crate::import::files;
-use crate::scene::Note;
-use crate::scene::profile::{LuminousProfile, ProfileFacts};
+use crate::files;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Where};
+use eyebox_scene::Note;
+use eyebox_scene::profile::{LuminousProfile, ProfileFacts};
 use glam::DMat3;
 use std::path::{Path, PathBuf};
 

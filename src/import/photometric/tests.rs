@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/07_ies")
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data/07_ies")
 }
 
 fn table(name: &str) -> Vec<Json> {
@@ -54,7 +54,7 @@ fn good_files_have_the_flux_peak_and_probes_of_the_oracle() {
 /// Spellings met in public bug reports, with the flux of `tests/data/ies_quirks/README`.
 #[test]
 fn files_as_the_wild_has_them_have_their_flux() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/ies_quirks");
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data/ies_quirks");
     let table = std::fs::read_to_string(folder.join("README")).unwrap();
     let mut seen = 0;
     for (name, rest) in table.lines().filter_map(|line| line.split_once(": ")) {

@@ -1,7 +1,7 @@
 //! The text of photometric files: lines of bytes in whatever encoding, and numbers with their lines.
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
 use std::borrow::Cow;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Meshes of faces, which say where those end: rings of corners about the middle.
 
 use super::{Outline, Profile};
-use crate::scene::{FaceRange, Mesh};
+use eyebox_scene::{FaceRange, Mesh};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 

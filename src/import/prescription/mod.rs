@@ -16,9 +16,9 @@ mod tests;
 mod zmx;
 
 use super::{Assembly, files, text};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::Note;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::Note;
 use std::path::Path;
 
 pub use profile::Profile;

@@ -1,8 +1,8 @@
 //! The entrance pupil of a lens file that says an aperture in other words: a ratio, a numerical aperture, the size of its stop.
 
 use super::{Aperture, Prescription};
-use crate::base::Where;
-use crate::scene::Note;
+use eyebox_base::Where;
+use eyebox_scene::Note;
 use std::path::Path;
 
 /// What two paraxial rays tell, one of height 1 along the axis and one of slope 1 through the middle of the first surface.

@@ -6,10 +6,10 @@ mod private;
 mod words;
 
 use super::{After, Aperture, Heights, Prescription, Profile, Surface};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::Note;
 use axes::{Raw, Return, spread};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::Note;
 use private::Private;
 use std::path::Path;
 use words::{commands, glass, qualifier};

@@ -2,9 +2,9 @@
 
 use super::solids::{Design, Kind, LensPart};
 use super::{After, Prescription};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::glass;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::glass;
 use glam::{DAffine3, DVec3};
 use std::fmt::Write;
 use std::path::Path;

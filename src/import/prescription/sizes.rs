@@ -3,8 +3,8 @@
 
 use super::sidecar::FIELD_DEG;
 use super::{After, Heights, Prescription, pupil, sidecar};
-use crate::base::Where;
-use crate::scene::{Dispersion, Note, glass};
+use eyebox_base::Where;
+use eyebox_scene::{Dispersion, Note, glass};
 use glam::DAffine3;
 use std::path::Path;
 

@@ -2,10 +2,10 @@
 
 use super::mesh::{cap, rim};
 use super::{After, Outline, Prescription, Surface};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::assembly::{MeshSource, Node};
-use crate::scene::{Mesh, Note, assembly::Assembly};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::assembly::{MeshSource, Node};
+use eyebox_scene::{Mesh, Note, assembly::Assembly};
 use glam::{DAffine3, DVec3};
 use std::path::Path;
 

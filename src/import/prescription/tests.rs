@@ -1,5 +1,5 @@
 use super::*;
-use crate::import::{build, toml};
+use crate::{build, toml};
 use profile::Form;
 
 fn made(text: &str) -> Result<Made> {
@@ -130,7 +130,7 @@ fn private_glasses_by_formula() {
 /// and, from the near side, by the angle of the light from the axis.
 #[test]
 fn pupils_of_every_aperture() {
-    let n = crate::scene::glass::find("N-BK7").unwrap().dispersion.index(587.5618).re;
+    let n = eyebox_scene::glass::find("N-BK7").unwrap().dispersion.index(587.5618).re;
     let focal = 1.0 / ((n - 1.0) * (2.0 / 50.0 - (n - 1.0) * 5.0 / (n * 2500.0)));
     let pupil = |aperture: &str, distance: &str| {
         let text = SINGLET.replace("ENPD 8", aperture).replacen("DISZ INFINITY", &format!("DISZ {distance}"), 1);
@@ -267,7 +267,7 @@ fn obscurations_are_dark() {
         let sheet = toml::parse(&made.text, Path::new("x.optics.toml")).unwrap();
         let scene = build(made.assembly, Some(&sheet), &[]).unwrap().scene;
         let dark = scene.parts.iter().find(|part| part.name == "OBSCURATION1").unwrap();
-        assert_eq!(dark.faces[0].finish, crate::scene::Finish::Absorber);
+        assert_eq!(dark.faces[0].finish, eyebox_scene::Finish::Absorber);
     }
     let on_glass = made(&SINGLET.replace("  CURV 0.02\n", "  CURV 0.02\n  OBSC 0 2 0\n")).unwrap();
     assert!(on_glass.notes.iter().any(|note| format!("{note:?}").contains("the obscuration of a glass or a mirror")));
@@ -325,7 +325,7 @@ fn fields_and_sizes_follow_from_rays() {
     let mut read = read(&path).unwrap();
     let frames = frames::frames(&read);
     sizes::fill(&mut read, &frames, &path);
-    let n = crate::scene::glass::find("SCHOTT N-BK7").unwrap().dispersion.index(550.0).re;
+    let n = eyebox_scene::glass::find("SCHOTT N-BK7").unwrap().dispersion.index(550.0).re;
     // The thin end of a plano-convex lens: f = R/(n − 1), and the focus is f − d/n behind its plane.
     let f = 100.0 / (n - 1.0);
     let out_of_focus = 190.0 - (f - 4.0 / n);

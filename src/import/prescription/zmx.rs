@@ -4,9 +4,9 @@ mod terms;
 
 use super::profile::Form;
 use super::{After, Aperture, Heights, Outline, Prescription, Profile, Surface, Turn};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::Note;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::Note;
 use std::path::Path;
 use terms::{fringe, noll, polynomial, rotational, zernike};
 

@@ -2,9 +2,9 @@
 
 use super::Bundle;
 use super::fields::Fields;
-use crate::base::colour::{FIRST_NM, K_M, LAST_NM, cmf};
-use crate::base::error::Result;
-use crate::scene::{LampRay, Spectrum};
+use eyebox_base::colour::{FIRST_NM, K_M, LAST_NM, cmf};
+use eyebox_base::error::Result;
+use eyebox_scene::{LampRay, Spectrum};
 use glam::Vec3;
 use std::collections::BTreeMap;
 

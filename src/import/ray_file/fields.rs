@@ -1,6 +1,6 @@
 //! Little-endian numbers at places of a file.
 
-use crate::base::{Code, Error, Where};
+use eyebox_base::{Code, Error, Where};
 use std::path::Path;
 
 /// The bytes of a file, for faults with its name.
@@ -22,24 +22,24 @@ impl<'a> Fields<'a> {
         self.fault(format!("is cut off: it has {} bytes", self.bytes.len())).expected(format!("{wanted} bytes"))
     }
 
-    fn at<const N: usize>(&self, place: usize) -> crate::base::Result<[u8; N]> {
+    fn at<const N: usize>(&self, place: usize) -> eyebox_base::Result<[u8; N]> {
         let there = self.bytes.get(place..).and_then(|rest| rest.first_chunk::<N>());
         there.copied().ok_or_else(|| self.cut_off((place + N) as u128))
     }
 
-    pub(super) fn i32(&self, place: usize) -> crate::base::Result<i32> {
+    pub(super) fn i32(&self, place: usize) -> eyebox_base::Result<i32> {
         self.at(place).map(i32::from_le_bytes)
     }
 
-    pub(super) fn u32(&self, place: usize) -> crate::base::Result<u32> {
+    pub(super) fn u32(&self, place: usize) -> eyebox_base::Result<u32> {
         self.at(place).map(u32::from_le_bytes)
     }
 
-    pub(super) fn u64(&self, place: usize) -> crate::base::Result<u64> {
+    pub(super) fn u64(&self, place: usize) -> eyebox_base::Result<u64> {
         self.at(place).map(u64::from_le_bytes)
     }
 
-    pub(super) fn f32(&self, place: usize) -> crate::base::Result<f32> {
+    pub(super) fn f32(&self, place: usize) -> eyebox_base::Result<f32> {
         self.at(place).map(f32::from_le_bytes)
     }
 }

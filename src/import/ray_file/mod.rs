@@ -9,10 +9,10 @@ mod fields;
 mod tm25;
 mod zemax;
 
-use crate::base::error::Result;
-use crate::base::{Code, Where};
-use crate::import::files;
-use crate::scene::{LampRay, Spectrum};
+use crate::files;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Where};
+use eyebox_scene::{LampRay, Spectrum};
 use fields::Fields;
 use std::path::Path;
 

@@ -7,8 +7,8 @@
 use super::RayFile;
 use super::bundles::{Bundles, Colour, Given};
 use super::fields::{Fields, column};
-use crate::base::error::Result;
-use crate::scene::Spectrum;
+use eyebox_base::error::Result;
+use eyebox_scene::Spectrum;
 use glam::Vec3;
 
 // Clauses 4.7.1.2, 4, 5, 6, 9, 10, 13, 14, 15; 4.7.2; 4.7.4.

@@ -7,7 +7,7 @@
 use super::RayFile;
 use super::bundles::{Bundles, Colour, Given};
 use super::fields::{Fields, column};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use glam::Vec3;
 
 /// What such a file starts with.

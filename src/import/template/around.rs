@@ -1,9 +1,9 @@
 //! What is around an optical assembly in its sidecar: sky, sun and eye.
 
 use super::write::{Written, quoted};
-use crate::base::Where;
-use crate::import::Assembly;
-use crate::import::frames::frame_rotation;
+use crate::Assembly;
+use crate::frames::frame_rotation;
+use eyebox_base::Where;
 
 /// Sky and eye.
 pub fn around(assembly: &Assembly, out: &mut Written) {

@@ -1,6 +1,6 @@
 //! What a part probably is, from the words of its name.
 
-use crate::scene::glass;
+use eyebox_scene::glass;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {

@@ -2,13 +2,13 @@
 
 use super::TOLERANCE_UM;
 use super::guess::{Role, role};
-use crate::base::error::Result;
-use crate::import::Assembly;
-use crate::import::fit::{Fit, FitError, Fitted, fit, simple};
-use crate::import::frames::uniform_scale;
-use crate::import::measure::FaceMeasure;
-use crate::import::select::{Candidate, candidates};
-use crate::scene::Mesh;
+use crate::Assembly;
+use crate::fit::{Fit, FitError, Fitted, fit, simple};
+use crate::frames::uniform_scale;
+use crate::measure::FaceMeasure;
+use crate::select::{Candidate, candidates};
+use eyebox_base::error::Result;
+use eyebox_scene::Mesh;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;

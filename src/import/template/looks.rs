@@ -3,9 +3,9 @@
 
 use super::kinds::Kind;
 use super::write::{Head, Written, clean, listed, quoted};
-use crate::import::Assembly;
-use crate::import::build::Assumed;
-use crate::scene::Eye;
+use crate::Assembly;
+use crate::build::Assumed;
+use eyebox_scene::Eye;
 use glam::{DMat3, DVec3};
 
 /// `assumed` of the asset without a sidecar, whose `eye` in the scene's world is the one that frames it.

@@ -1,12 +1,12 @@
 //! Skeletons of the CAD samples, and of assemblies with names that nobody would give.
 
 use super::*;
-use crate::import::ReadOptions;
-use crate::import::testing::assembly;
-use crate::scene::{Finish, Scene, Shape};
+use crate::ReadOptions;
+use crate::testing::assembly;
+use eyebox_scene::{Finish, Scene, Shape};
 
 fn sample(file: &str) -> (Template, Scene) {
-    let asset = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(file);
+    let asset = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples").join(file);
     let sidecar = asset.with_file_name("init.optics.toml");
     let skeleton = skeleton(&asset, &sidecar).expect("the sample can be read");
     assert_eq!(skeleton.fault, None);
@@ -84,7 +84,7 @@ fn the_skeletons_of_the_cad_samples_import_with_the_prescribed_lenses() {
     let (_, scene) = sample("hud-diffuse/hud_diffuse.glb");
     check(&scene, &DIFFUSE);
     let screen = scene.parts.iter().find(|part| part.name == "DIFFUSER_SHEET").expect("the screen is there");
-    let scatters = |face: &crate::scene::Face| matches!(face.finish, Finish::Gauss { .. });
+    let scatters = |face: &eyebox_scene::Face| matches!(face.finish, Finish::Gauss { .. });
     assert_eq!(screen.faces.iter().filter(|face| scatters(face)).count(), 1);
 }
 
@@ -145,7 +145,7 @@ fn what_is_no_optics_keeps_its_picture() {
     }
     // A camera and a lamp of its own stay what they are.
     let mut asset = assembly(&["Helmet"]);
-    asset.cameras.push(crate::import::assembly::Camera {
+    asset.cameras.push(crate::assembly::Camera {
         name: "CAM".into(),
         node: None,
         to_world: glam::DAffine3::IDENTITY,

@@ -3,11 +3,11 @@
 use super::guess::Role;
 use super::kinds::{FaceFacts, Kind};
 use super::{TOLERANCE_UM, around};
-use crate::base::Where;
-use crate::base::units::significant;
-use crate::import::Assembly;
-use crate::import::fit::{FitError, Fitted};
-use crate::import::select::Faces;
+use crate::Assembly;
+use crate::fit::{FitError, Fitted};
+use crate::select::Faces;
+use eyebox_base::Where;
+use eyebox_base::units::significant;
 use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;

@@ -1,12 +1,12 @@
 //! Which of several values holds.
 
 use super::{BASE, built, built_on};
-use crate::base::{Code, Where};
-use crate::import::binding_slots::Rank;
-use crate::import::testing::assembly;
-use crate::import::value::{Data, Value};
-use crate::import::{Built, Explained};
-use crate::scene::{Finish, Part, StandardSurface};
+use crate::binding_slots::Rank;
+use crate::testing::assembly;
+use crate::value::{Data, Value};
+use crate::{Built, Explained};
+use eyebox_base::{Code, Where};
+use eyebox_scene::{Finish, Part, StandardSurface};
 
 fn part<'a>(built: &'a Built, name: &str) -> &'a Part {
     built.scene.parts.iter().find(|part| part.name == name).unwrap()
@@ -149,7 +149,7 @@ fn the_assets_own_attributes_bind_below_the_sidecar() {
     let (a, b) = (part(&built, "A"), part(&built, "B"));
     assert!(a.medium.is_some() && b.medium.is_none());
     assert_eq!((a.faces[0].finish, a.faces[0].coating.map(|id| id.0)), (Finish::Polished, Some(0)));
-    assert_eq!(a.faces[5].shape, crate::scene::Shape::Plane { vertex: glam::DVec3::Z, axis: glam::DVec3::Z });
+    assert_eq!(a.faces[5].shape, eyebox_scene::Shape::Plane { vertex: glam::DVec3::Z, axis: glam::DVec3::Z });
     let group = |part: &Part| scene.group(part.faces[1].emitter.as_ref().unwrap().group).name.clone();
     assert_eq!((group(a), group(b)), ("led".into(), "glow".into()));
     // The sidecar's weakest selector beats the asset; its [default] doesn't.
@@ -159,7 +159,7 @@ fn the_assets_own_attributes_bind_below_the_sidecar() {
     let built = built_on(carrying(), &over, &[]).unwrap();
     assert_eq!((part(&built, "A").faces[0].finish, part(&built, "A").medium), (Finish::Absorber, None));
     assert_eq!(part(&built, "B").faces[0].finish, Finish::Polished);
-    let broken = |change: &dyn Fn(&mut crate::import::Assembly)| {
+    let broken = |change: &dyn Fn(&mut crate::Assembly)| {
         let mut asset = carrying();
         change(&mut asset);
         built_on(asset, &over, &[]).unwrap_err().to_string()
@@ -219,7 +219,7 @@ fn a_node_speaks_for_the_parts_below_it_and_for_some_faces() {
 fn a_part_goes_by_the_node_that_holds_nothing_else() {
     let mut asset = assembly(&["A", "B"]);
     // ROOT/A becomes a node above its mesh, as USD components are.
-    let inner = crate::import::assembly::Node {
+    let inner = crate::assembly::Node {
         name: "Body".into(),
         path: "ROOT/A/Body".into(),
         parent: Some(1),

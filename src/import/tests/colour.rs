@@ -1,13 +1,13 @@
 //! Colours of lamps, skies and slides arrive as spectra and as RGB, their luminance as it was.
 
 use super::{BASE, built_on, fault};
-use crate::base::Where;
-use crate::base::colour::luminance;
-use crate::import::testing::assembly;
-use crate::import::{Assembly, Built, build, toml};
-use crate::scene::assembly::{LightForm, LightSource};
-use crate::scene::{Led, Photometry, Severity, Spectrum};
+use crate::testing::assembly;
+use crate::{Assembly, Built, build, toml};
 use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
+use eyebox_base::Where;
+use eyebox_base::colour::luminance;
+use eyebox_scene::assembly::{LightForm, LightSource};
+use eyebox_scene::{Led, Photometry, Severity, Spectrum};
 use std::path::Path;
 
 const LAMP: &str = "[[bind]]\npath = \"LED_1\"\nemitter = { group = \"led\", flux_lm = 2, angular = \"lambert\"";
@@ -75,10 +75,10 @@ fn emitters_have_spectra() {
 
 #[test]
 fn every_led_of_the_vocabulary_is_one() {
-    for kind in crate::scene::attribute::kinds("spectrum").filter(|kind| kind.name.starts_with("led_")) {
+    for kind in eyebox_scene::attribute::kinds("spectrum").filter(|kind| kind.name.starts_with("led_")) {
         assert!(Led::from_name(kind.name).is_some(), "{}", kind.name);
     }
-    assert!(Led::ALL.iter().all(|led| crate::scene::attribute::kinds("spectrum").any(|kind| kind.name == led.name())));
+    assert!(Led::ALL.iter().all(|led| eyebox_scene::attribute::kinds("spectrum").any(|kind| kind.name == led.name())));
 }
 
 fn light(form: LightForm, color: [f64; 3], kelvin: Option<f64>) -> LightSource {
@@ -143,7 +143,7 @@ fn slides_and_skies_keep_their_colours_where_colour_is_traced() {
         assert!((luminance(rgb.map(f64::from)) / f64::from(*own) - 1.0).abs() < 1e-6, "{rgb:?} {own}");
     }
     assert_eq!(colour.slides[0].rgb.as_ref().map(|rgb| rgb[0]), Some([1.0, 0.0, 0.2]));
-    let clipped = |note: &crate::scene::Note| note.text.starts_with("4 pixels have colours outside Rec.709");
+    let clipped = |note: &eyebox_scene::Note| note.text.starts_with("4 pixels have colours outside Rec.709");
     assert!(colour.notes.iter().any(clipped) && !mono.notes.iter().any(clipped));
     assert!(mono.notes.iter().any(|note| note.text.contains("at one wavelength their luminance counts")));
     assert!(mono.sky.as_ref().unwrap().rgb.is_none() && mono.slides[0].rgb.is_none());
@@ -183,7 +183,7 @@ fn a_dome_without_its_picture_lights_evenly() {
         built_on(asset, &visible(), &[])
     };
     let built = domed("lost.hdr").unwrap();
-    let warned = |note: &&crate::scene::Note| note.severity == Severity::Warning && note.text.contains("lost.hdr");
+    let warned = |note: &&eyebox_scene::Note| note.severity == Severity::Warning && note.text.contains("lost.hdr");
     let note = built.scene.notes.iter().find(warned).unwrap();
     assert!(note.text.contains("no such file") && note.text.contains("lights evenly"), "{}", note.text);
     let sky = built.scene.sky.unwrap();
@@ -229,7 +229,7 @@ fn pictures_of_the_sidecar_count_for_the_memory_of_textures() {
     );
     let sidecar = toml::parse(&text, &folder.path().join("a.optics.toml")).unwrap();
     let read = |bytes| {
-        let scene = crate::import::build::build_within(assembly(&["LCD"]), Some(&sidecar), &[], bytes).unwrap().scene;
+        let scene = crate::build::build_within(assembly(&["LCD"]), Some(&sidecar), &[], bytes).unwrap().scene;
         let size = scene.surfaces[0].base_color.texture.as_ref().map(|input| input.texture.width);
         (size, scene.notes.iter().any(|note| note.text.contains("`--texture-memory` allows more")))
     };

@@ -1,7 +1,7 @@
 //! Every class of fault with its whole message: place, what, what was expected, nearest name.
 
 use super::{BASE, built_on, check};
-use crate::import::testing::assembly;
+use crate::testing::assembly;
 
 #[test]
 fn selectors_that_select_nothing_or_too_much() {
@@ -660,16 +660,16 @@ fn an_index_that_no_light_asks_for_may_be_impossible() {
 /// KHR_materials_transmission without a volume: a thin wall, which looks as its material says.
 #[test]
 fn thin_walls_of_an_asset_let_light_through() {
-    use crate::import::value::{Data, Value};
+    use crate::value::{Data, Value};
     let mut clear = assembly(&["LENS"]);
-    let one = Value::new(Data::Number(1.0), crate::base::Where::Nowhere);
+    let one = Value::new(Data::Number(1.0), eyebox_base::Where::Nowhere);
     clear.materials[0].mapped.push(("transmission".to_owned(), one));
     let thin = built_on(clear.clone(), BASE, &[]).unwrap().scene;
     let finishes =
-        |scene: &crate::scene::Scene| scene.parts[0].faces.iter().map(|face| face.finish).collect::<Vec<_>>();
-    let look = crate::scene::Finish::Surface { surface: crate::base::ids::SurfaceId(0) };
+        |scene: &eyebox_scene::Scene| scene.parts[0].faces.iter().map(|face| face.finish).collect::<Vec<_>>();
+    let look = eyebox_scene::Finish::Surface { surface: eyebox_base::ids::SurfaceId(0) };
     assert_eq!((finishes(&thin), thin.surfaces.len()), (vec![look; 6], 1));
     // With an index it is a solid.
     let solid = built_on(clear, &format!("{BASE}[[bind]]\npath = \"LENS\"\nior = 1.5\n"), &[]).unwrap().scene;
-    assert_eq!(finishes(&solid), [crate::scene::Finish::Polished; 6]);
+    assert_eq!(finishes(&solid), [eyebox_scene::Finish::Polished; 6]);
 }

@@ -1,7 +1,7 @@
 //! Whatever a sidecar or a `--set` says, the answer is a scene or a fault.
 
 use super::built_on;
-use crate::import::testing::assembly;
+use crate::testing::assembly;
 
 const SAMPLE: &str = include_str!("../../../samples/hud-direct/hud.optics.toml");
 const PARTS: [&str; 6] =

@@ -1,12 +1,12 @@
 //! Emitters with a measured distribution, Gaussian beams, polarisation, the sun: through the sidecar.
 
 use super::{built, check, fault};
-use crate::scene::{Angular, BeaconForm, Photometry, Severity};
+use eyebox_scene::{Angular, BeaconForm, Photometry, Severity};
 use glam::DVec3;
 
 /// A folder with a profile, and a `[[bind]]` on the top face of LED_1.
 fn bind(emitter: &str) -> String {
-    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/07_ies");
+    let file = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data/07_ies");
     let emitter = emitter.replace("DATA", &file.display().to_string());
     format!("[[bind]]\npath = \"LED_1\"\nnormal = \"+z\"\nemitter = {{ group = \"led\", {emitter} }}\n")
 }
@@ -20,7 +20,7 @@ fn a_profile_rules_unless_a_strength_scales_it() {
     };
     let (emitter, scene) = of("angular = { kind = \"profile\", file = \"DATA/good/bilateral_0_180.ies\" }");
     assert_eq!(emitter.photometry, Photometry::AsMeasured);
-    assert_eq!(emitter.angular, Angular::Profile { profile: crate::base::ids::ProfileId(0), c0: DVec3::X });
+    assert_eq!(emitter.angular, Angular::Profile { profile: eyebox_base::ids::ProfileId(0), c0: DVec3::X });
     assert!((scene.profiles[0].peak_cd() - 523.8).abs() < 1e-9);
     let warned =
         |what: &str| scene.notes.iter().any(|note| note.severity == Severity::Warning && note.text.contains(what));

@@ -13,7 +13,7 @@ mod table;
 
 use super::testing::assembly;
 use super::{Assembly, Built, Set, build, toml};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use std::path::Path;
 
 /// A sidecar that builds; tests append to it, beginning with line 10.

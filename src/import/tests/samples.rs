@@ -1,13 +1,13 @@
 //! The samples build, and their parts are what `shared/prescription` and `shared/cad` say.
 
-use crate::base::Where;
-use crate::import::{Built, ImportOptions, Set, import};
-use crate::scene::{Face, Finish, Part, Photometry, Scene, Shape, Slide};
+use crate::{Built, ImportOptions, Set, import};
+use eyebox_base::Where;
+use eyebox_scene::{Face, Finish, Part, Photometry, Scene, Shape, Slide};
 use glam::DVec3;
 use std::path::Path;
 
 fn sample(name: &str, sets: &[&str]) -> Built {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples").join(name);
     let sets = sets.iter().map(|text| Set::parse(text).unwrap()).collect();
     import(&path, &ImportOptions { sets, ..ImportOptions::default() }).unwrap_or_else(|fault| panic!("{fault}"))
 }
@@ -266,7 +266,7 @@ fn an_asset_with_the_sidecar_beside_it_needs_no_sidecar_named() {
 #[test]
 fn a_sidecar_beside_an_asset_that_names_another_is_not_taken() {
     let folder = tempfile::tempdir().unwrap();
-    let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/peers/a1");
+    let home = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples/peers/a1");
     for name in ["a1.glb", "other.glb"] {
         std::fs::copy(home.join("a1.glb"), folder.path().join(name)).unwrap();
     }
@@ -301,7 +301,7 @@ fn the_samples_in_colour_are_the_same_displays() {
     for (name, lamps) in [("hud-direct", 9), ("hud-diffuse", 9)] {
         let plain = sample(&format!("{name}/hud_usd.optics.toml"), &[]).scene;
         let colour = sample(&format!("{name}/colour.optics.toml"), &[]).scene;
-        assert_eq!(colour.wavelengths, crate::scene::Wavelengths::Visible, "{name}");
+        assert_eq!(colour.wavelengths, eyebox_scene::Wavelengths::Visible, "{name}");
         assert_eq!(plain.parts.len(), colour.parts.len(), "{name}");
         let mut shining = 0;
         for (a, b) in plain.parts.iter().zip(&colour.parts) {
@@ -338,7 +338,7 @@ fn the_samples_in_colour_are_the_same_displays() {
 #[test]
 fn the_panorama_by_day_has_the_sky_of_sun_sky() {
     let town = sample("hud-direct/colour.optics.toml", &["sky.rotation_deg=0"]).scene.sky.expect("a sky");
-    let day = crate::import::daylight::clear(3.0, 38f64.to_radians(), 0.2).picture;
+    let day = crate::daylight::clear(3.0, 38f64.to_radians(), 0.2).picture;
     let [of_town, of_day] = [town.rgb.expect("colours"), std::sync::Arc::new(day.rgb.expect("colours"))];
     // Above all houses; the script's sun is 140° left of the middle, where ours has it.
     for elevation in [50.0, 65.0, 80.0, 88.0] {

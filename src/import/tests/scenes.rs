@@ -1,9 +1,9 @@
 //! Units, frames, slides, skies and eyes come out where they belong.
 
 use super::{BASE, built, built_on};
-use crate::import::assembly::Camera;
-use crate::import::testing::assembly;
-use crate::scene::{Finish, Severity, Shape};
+use crate::assembly::Camera;
+use crate::testing::assembly;
+use eyebox_scene::{Finish, Severity, Shape};
 use glam::{DAffine3, DMat3, DVec3};
 
 fn near(a: DVec3, b: DVec3) -> bool {
@@ -85,14 +85,11 @@ fn a_camera_serves_when_the_eye_says_nothing_of_its_place() {
 }
 
 /// A folder with a slide and a panorama, and a sidecar there that names them.
-fn with_pictures(extra: &str) -> (tempfile::TempDir, Result<crate::import::Built, String>) {
+fn with_pictures(extra: &str) -> (tempfile::TempDir, Result<crate::Built, String>) {
     with_pictures_on(assembly(&["LCD"]), extra)
 }
 
-fn with_pictures_on(
-    assembly: crate::import::Assembly,
-    extra: &str,
-) -> (tempfile::TempDir, Result<crate::import::Built, String>) {
+fn with_pictures_on(assembly: crate::Assembly, extra: &str) -> (tempfile::TempDir, Result<crate::Built, String>) {
     let folder = tempfile::tempdir().unwrap();
     image::GrayImage::from_raw(2, 1, vec![255, 0]).unwrap().save(folder.path().join("slide.png")).unwrap();
     let sky = exr::prelude::SpecificChannels::build()
@@ -102,8 +99,8 @@ fn with_pictures_on(
     exr::prelude::WritableImage::write(&image).to_file(folder.path().join("sky.exr")).unwrap();
     std::fs::write(folder.path().join("words.txt"), "no picture").unwrap();
     let text = format!("{BASE}{extra}");
-    let sidecar = crate::import::toml::parse(&text, &folder.path().join("hud.optics.toml")).unwrap();
-    let built = crate::import::build(assembly, Some(&sidecar), &[]).map_err(|fault| fault.to_string());
+    let sidecar = crate::toml::parse(&text, &folder.path().join("hud.optics.toml")).unwrap();
+    let built = crate::build(assembly, Some(&sidecar), &[]).map_err(|fault| fault.to_string());
     (folder, built)
 }
 

@@ -1,7 +1,7 @@
 //! `--set`.
 
 use super::{built, check};
-use crate::scene::{Angular, Dispersion, Finish, Photometry, Wavelengths};
+use eyebox_scene::{Angular, Dispersion, Finish, Photometry, Wavelengths};
 
 const LIT: &str = "[[bind]]\npath = \"LED_*\"\nnormal = \"+z\"\nemitter = { group = \"led\", flux_lm = 0.45, angular = \"lambert\" }\n\
                    [[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = \"ar\"\nmedium = \"glass\"\n\
@@ -35,7 +35,7 @@ fn sets_are_the_strongest_binding() {
     let lens = part("LENS");
     assert_eq!((scene.medium(lens.medium.unwrap()).name.as_str(), lens.priority), ("N-SK16", 2));
     let radius = |face: usize| match lens.faces[face].shape {
-        crate::scene::Shape::Sphere { radius, .. } => radius,
+        eyebox_scene::Shape::Sphere { radius, .. } => radius,
         ref other => panic!("{other:?}"),
     };
     assert_eq!((radius(0), radius(1)), (50.0, 9.0));

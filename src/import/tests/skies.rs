@@ -1,8 +1,8 @@
 //! Skies without pictures: what they bring by closed forms, where their sun stands, and what they refuse.
 
 use super::{BASE, built, built_on, check};
-use crate::import::testing::assembly;
-use crate::scene::{BeaconForm, Scene, Sky};
+use crate::testing::assembly;
+use eyebox_scene::{BeaconForm, Scene, Sky};
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
@@ -220,7 +220,7 @@ fn another_kind_of_sky_takes_the_place_of_the_one_that_is_there() {
     // So it is where the sidecar says another sky than the asset.
     let mut asset = assembly(&["LENS"]);
     let own = format!("version = 1\n[sky]\n{text}\n");
-    asset.optics = Some(crate::import::toml::parse(&own, std::path::Path::new("a.glb")).unwrap());
+    asset.optics = Some(crate::toml::parse(&own, std::path::Path::new("a.glb")).unwrap());
     let scene = built_on(asset, &format!("{BASE}[sky]\novercast_cd_m2 = 7\n"), &[]).unwrap().scene;
     assert_eq!((scene.sky.unwrap().file.as_str(), scene.groups[0].name.as_str()), ("overcast", "day"));
 }

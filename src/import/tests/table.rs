@@ -1,13 +1,13 @@
 //! The attribute table against the readers: what the table says is read, what it doesn't say is refused, and a value is
 //! read the same after it went through JSON or through USD.
 
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::import::{json, optics};
-use crate::scene::attribute::arbitrary::{every, named_rows, of, some};
-use crate::scene::attribute::usd::{flatten, gather};
-use crate::scene::attribute::{self, EMITTER, Kind, Noun, SLIDE, Support, kinds, own_rows, row, rows};
-use crate::scene::value::{Data, Value};
+use crate::{json, optics};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
+use eyebox_scene::attribute::arbitrary::{every, named_rows, of, some};
+use eyebox_scene::attribute::usd::{flatten, gather};
+use eyebox_scene::attribute::{self, EMITTER, Kind, Noun, SLIDE, Support, kinds, own_rows, row, rows};
+use eyebox_scene::value::{Data, Value};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -330,7 +330,7 @@ proptest! {
 #[test]
 fn every_attribute_that_can_be_bound_is_walked() {
     let walked = |key: &str| WHOLE.contains(&key) || SINGLE.contains(&key) || key == "medium";
-    for key in crate::import::bind::BINDABLE {
+    for key in crate::bind::BINDABLE {
         assert!(walked(key), "{key}");
     }
     for kind in attribute::KINDS {

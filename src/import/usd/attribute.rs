@@ -2,8 +2,8 @@
 
 use super::notes::Ledger;
 use super::value;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, ResolveInfoSource, TimeCode};
 use std::cell::RefCell;

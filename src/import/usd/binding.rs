@@ -4,7 +4,7 @@
 use super::attribute::{PrimView, one_line};
 use super::material;
 use super::reader::Reader;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use openusd::sdf::{self, Value};
 use openusd::usd::{CollectionAPI, MembershipQuery};
 use std::collections::HashMap;

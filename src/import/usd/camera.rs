@@ -4,9 +4,9 @@ use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::round_trip::{RoundTrip, refined};
 use super::value;
-use crate::base::error::Result;
-use crate::import::assembly::{Camera, Frustum};
-use crate::scene::assembly::Film;
+use crate::assembly::{Camera, Frustum};
+use eyebox_base::error::Result;
+use eyebox_scene::assembly::Film;
 use glam::DAffine3;
 
 /// Fallbacks of the schema: a 50 mm lens before a 35 mm full aperture, in tenths of a unit.

@@ -6,7 +6,7 @@ use super::reader::Reader;
 use super::reads::{Coordinates, Set};
 use super::shader::{self, End};
 use super::value;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 
 /// Rows of an affine map of texture coordinates.
 pub(super) type Affine = [[f64; 3]; 2];

@@ -4,7 +4,7 @@ use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::reader::Reader;
 use super::value;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use std::collections::HashMap;
 
 const MATERIALS: &str = "materialBind";

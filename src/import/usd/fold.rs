@@ -2,8 +2,8 @@
 //! moved; either perhaps times what the vertices of the mesh have. Arithmetic on these stays among them, or is none.
 
 use super::reads::{Coordinates, OfVertices};
-use crate::scene::TextureInput;
-use crate::scene::texture::Channel;
+use eyebox_scene::TextureInput;
+use eyebox_scene::texture::Channel;
 
 /// Red, green, blue, alpha; a number has it in all four.
 pub(super) type Lanes = [f64; 4];

@@ -8,9 +8,9 @@ use super::reader::Reader;
 use super::round_trip::RoundTrip;
 use super::xform::{self, Local};
 use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel, skel_binding};
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::import::assembly::{Camera, Node};
+use crate::assembly::{Camera, Node};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
 use openusd::sdf::{self, Specifier};
 use openusd::usd::Prim;
 

@@ -6,12 +6,12 @@ use super::handed::Above;
 use super::mesh::{AllOver, Made};
 use super::reader::Reader;
 use super::{binding, mesh, tessellate};
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::import::assembly::MeshSource;
-use crate::import::frames::uniform_scale;
-use crate::import::value::{Data, Value};
-use crate::scene::Mesh;
+use crate::assembly::MeshSource;
+use crate::frames::uniform_scale;
+use crate::value::{Data, Value};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
+use eyebox_scene::Mesh;
 use glam::DVec3;
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! The inputs of a surface shader as parameters of a [`StandardSurface`](crate::scene::StandardSurface).
+//! The inputs of a surface shader as parameters of a [`StandardSurface`](eyebox_scene::StandardSurface).
 
 use super::attribute::PrimView;
 use super::fold::{Folded, Lanes, Reading};
@@ -6,9 +6,9 @@ use super::network;
 use super::reader::Reader;
 use super::reads::{Coordinates, OfVertices, Reads};
 use super::shader::{self, End};
-use crate::base::error::Result;
-use crate::scene::texture::Channel;
-use crate::scene::{Colour, Scalar, TextureInput};
+use eyebox_base::error::Result;
+use eyebox_scene::texture::Channel;
+use eyebox_scene::{Colour, Scalar, TextureInput};
 
 /// The inputs of one shader.
 pub(super) struct Shader<'a> {

@@ -8,7 +8,7 @@ use super::reader::Reader;
 use super::skel_binding;
 use super::value;
 use super::xform::{self, Local};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use glam::{DAffine3, DQuat, DVec3};
 use openusd::sdf;
 use std::collections::HashSet;

@@ -3,9 +3,9 @@
 use super::inputs::Shader;
 use super::standard;
 use super::surface::{Inputs, Surface, attenuation, color_row, row, shines};
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::import::value::{Data, Value};
+use crate::value::{Data, Value};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
 
 /// The names of the two layered models.
 pub(super) struct Model {

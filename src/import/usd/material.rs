@@ -8,11 +8,11 @@ use super::round_trip::RoundTrip;
 use super::shader::{self, End};
 use super::surface::{self, Row};
 use super::{handed, light, network, optics, stranger, texture};
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::import::assembly::Material;
-use crate::import::value::{Data, Value};
-use crate::scene::{Colour, Opacity, Scalar, StandardSurface};
+use crate::assembly::Material;
+use crate::value::{Data, Value};
+use eyebox_base::Where;
+use eyebox_base::error::Result;
+use eyebox_scene::{Colour, Opacity, Scalar, StandardSurface};
 use openusd::sdf;
 use std::collections::{HashMap, HashSet};
 

@@ -63,9 +63,9 @@ mod tests;
 
 use super::ReadOptions;
 use super::assembly::Assembly;
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::Note;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::Note;
 use reader::Reader;
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 //! USD's plugin for MaterialX lays them out. Source: the MaterialX Specification 1.39; the paths are those of UsdMtlx.
 
 use super::xml::Element;
-use crate::base::colour::FileSpace;
+use eyebox_base::colour::FileSpace;
 use std::collections::HashSet;
 use std::fmt::Write;
 

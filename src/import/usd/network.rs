@@ -7,7 +7,7 @@ use super::reader::Reader;
 use super::reads::OfVertices;
 use super::shader::{self, End};
 use super::{coordinates, texture, value};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 
 /// Nodes above one another.
 const MOST_DEEP: usize = 64;

@@ -3,8 +3,8 @@
 
 use super::fold::{Folded, Lanes};
 use super::network::{Node, lane, lanes, number, text};
-use crate::base::colour::luminance;
-use crate::base::error::Result;
+use eyebox_base::colour::luminance;
+use eyebox_base::error::Result;
 
 impl Node<'_> {
     pub fn lanes_of(&mut self, kind: &str, output: &str) -> Result<Option<Folded>> {

@@ -1,9 +1,9 @@
 //! What a reader has to say, and how much work and memory the files may still ask for.
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::import::gltf::notes::Notes;
-use crate::scene::{Note, Severity};
+use crate::gltf::notes::Notes;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{Note, Severity};
 
 /// A few bytes can ask for much: references that multiply, an instancer of instancers, compressed arrays. Everything
 /// that can multiply is charged here before it is made.

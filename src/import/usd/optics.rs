@@ -2,10 +2,10 @@
 
 use super::attribute::PrimView;
 use super::reader::Reader;
-use crate::base::error::Result;
-use crate::base::relative_path::{folder_of, relative, slashed};
-use crate::import::value::{Data, Value};
-use crate::scene::attribute::usd::{NAMESPACE, UsdProperty, UsdValue, gather};
+use crate::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::relative_path::{folder_of, relative, slashed};
+use eyebox_scene::attribute::usd::{NAMESPACE, UsdProperty, UsdValue, gather};
 use openusd::sdf;
 use std::path::Path;
 

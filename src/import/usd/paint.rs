@@ -4,7 +4,7 @@
 use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::primvar::{self, Sizes};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 
 /// What prims hand down, in bits: meshes that have different ones are different.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]

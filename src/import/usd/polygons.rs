@@ -4,9 +4,9 @@ use super::attribute::PrimView;
 use super::primvar::Sizes;
 use super::reader::Reader;
 use super::value;
-use crate::base::error::Result;
-use crate::base::{Code, Error};
-use crate::scene::Severity;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error};
+use eyebox_scene::Severity;
 
 /// Polygons as the file has them, checked.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::polygons::Corners;
 use super::value;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use openusd::sdf::Value;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,9 +3,9 @@
 use super::attribute::PrimView;
 use super::reader::Reader;
 use super::value;
-use crate::base::Where;
-use crate::base::error::Result;
-use crate::import::assembly::RequestedLayer;
+use crate::assembly::RequestedLayer;
+use eyebox_base::Where;
+use eyebox_base::error::Result;
 use openusd::sdf;
 
 /// What the walk met.

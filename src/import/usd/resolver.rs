@@ -4,7 +4,7 @@
 use super::texture::TILE;
 use super::xml::Element;
 use super::{clips, crate_limits, mtlx, normalise, xml};
-use crate::base::package;
+use eyebox_base::package;
 use openusd::ar::{Asset, AssetBuffer, AssetInfo, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
 use std::io::{Cursor, Error, ErrorKind, Read, Result};

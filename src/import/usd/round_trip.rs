@@ -3,8 +3,8 @@
 
 use super::attribute::PrimView;
 use super::value;
-use crate::base::error::Result;
-use crate::import::assembly::Assembly;
+use crate::assembly::Assembly;
+use eyebox_base::error::Result;
 use glam::DAffine3;
 use openusd::sdf::{Dictionary, Value};
 use std::collections::HashMap;

@@ -2,8 +2,8 @@
 
 use super::attribute::{PrimView, one_line};
 use super::reader::Reader;
-use crate::base::Where;
-use crate::base::error::Result;
+use eyebox_base::Where;
+use eyebox_base::error::Result;
 use openusd::sdf::Value;
 
 /// Connections in a row; a cycle ends here.

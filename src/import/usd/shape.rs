@@ -4,8 +4,8 @@ use super::attribute::PrimView;
 use super::light::{file, flag};
 use super::reader::Reader;
 use super::round_trip::{RoundTrip, refined};
-use crate::base::error::Result;
-use crate::import::assembly::{LightForm, LightProfile, ProfileSource};
+use crate::assembly::{LightForm, LightProfile, ProfileSource};
+use eyebox_base::error::Result;
 
 /// (inner, outer) half angle of a cone, if one is said: full inside angle · (1 − softness), nothing outside of angle
 /// (UsdLuxShapingAPI).

@@ -7,8 +7,8 @@
 use super::attribute::PrimView;
 use super::inputs::Shader;
 use super::reader::Reader;
-use crate::base::error::Result;
-use crate::scene::{Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface};
+use eyebox_base::error::Result;
+use eyebox_scene::{Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface};
 
 /// A UsdPreviewSurface; what is not said has the values of its specification.
 ///

@@ -5,8 +5,8 @@ use super::attribute::PrimView;
 use super::inputs::Shader;
 use super::surface::{Surface, color_row};
 use super::{reader::Reader, shader};
-use crate::base::error::Result;
-use crate::scene::{Scalar, StandardSurface};
+use eyebox_base::error::Result;
+use eyebox_scene::{Scalar, StandardSurface};
 
 /// Names of base colours, without capitals and underscores, the likeliest first.
 const BASE: [&str; 11] = [

@@ -8,11 +8,11 @@ use super::layered::{OPEN_PBR, STANDARD, layered};
 use super::reader::Reader;
 use super::shader::{self, End};
 use super::{network, standard, value};
-use crate::base::Where;
-use crate::base::colour::luminance;
-use crate::base::error::Result;
-use crate::import::value::{Data, Value};
-use crate::scene::StandardSurface;
+use crate::value::{Data, Value};
+use eyebox_base::Where;
+use eyebox_base::colour::luminance;
+use eyebox_base::error::Result;
+use eyebox_scene::StandardSurface;
 use openusd::sdf;
 
 pub(super) type Row = (String, Value);

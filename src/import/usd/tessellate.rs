@@ -1,9 +1,9 @@
 //! Meshes of the implicit shapes: bodies of revolution from their profile, boxes, and planes. Normals are exact.
 
 use super::implicit::Axis;
-use crate::import::gltf::mesh::append;
-use crate::import::gltf::primitive::FaceMesh;
-use crate::scene::Mesh;
+use crate::gltf::mesh::append;
+use crate::gltf::primitive::FaceMesh;
+use eyebox_scene::Mesh;
 use glam::DVec3;
 
 /// Around the axis of a body of revolution.

@@ -7,10 +7,10 @@ use super::light::located;
 use super::network;
 use super::reader::Reader;
 use super::shader::{self, End};
-use crate::base::error::Result;
-use crate::base::{Shared, package};
-use crate::scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
-use crate::scene::{Texture, TextureInput};
+use eyebox_base::error::Result;
+use eyebox_base::{Shared, package};
+use eyebox_scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
+use eyebox_scene::{Texture, TextureInput};
 use openusd::sdf::Value;
 use std::path::{Path, PathBuf};
 

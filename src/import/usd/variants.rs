@@ -1,9 +1,9 @@
 //! Variants that the command line chooses: written into the root layer as it lies in memory, whose opinions are the strongest.
 
 use super::reader::Reader;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::variants::VariantChoice;
+use crate::variants::VariantChoice;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use openusd::sdf::{self, Value};
 use openusd::usd::Prim;
 use std::collections::{BTreeMap, BTreeSet, HashMap};

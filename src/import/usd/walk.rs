@@ -2,11 +2,11 @@
 
 use super::reader::Reader;
 use super::{hierarchy, implicit, layer_units, material, optics, render, round_trip, stage, variants};
-use crate::base::error::Result;
-use crate::base::{Code, Where};
-use crate::import::assembly::Assembly;
-use crate::import::variants::VariantChoice;
-use crate::scene::motion::Clock;
+use crate::assembly::Assembly;
+use crate::variants::VariantChoice;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Where};
+use eyebox_scene::motion::Clock;
 
 /// What USD takes where a stage does not say its `timeCodesPerSecond`.
 const CODES_PER_SECOND: f64 = 24.0;

@@ -3,9 +3,9 @@
 use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::value;
-use crate::base::Code;
-use crate::base::error::Result;
-use crate::import::gltf::transform::is_singular;
+use crate::gltf::transform::is_singular;
+use eyebox_base::Code;
+use eyebox_base::error::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use openusd::sdf::Value;
 

@@ -1,9 +1,9 @@
 //! Faces: what each is optically, with photometry in both directions.
 
 use super::look::LookReport;
-use crate::base::Where;
-use crate::scene::angular::Spread;
-use crate::scene::{
+use eyebox_base::Where;
+use eyebox_scene::angular::Spread;
+use eyebox_scene::{
     Angular, Coating, Emitter, Face, Finish, Grating, Part, Polarisation, PolarisedLight, Residual, Scene, Sensor,
     Shape, Spectrum, WavePlate,
 };

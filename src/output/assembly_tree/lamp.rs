@@ -1,7 +1,7 @@
 //! What lamps give: flux, peak intensity, luminance and half angle of every face, light and sky.
 
 use super::face::EmitterReport;
-use crate::scene::{Beacon, BeaconForm, Scene, SpotCone};
+use eyebox_scene::{Beacon, BeaconForm, Scene, SpotCone};
 use std::f64::consts::PI;
 
 /// One lamp, or faces of one part that are alike.

@@ -1,7 +1,7 @@
 //! How an ordinary material looks: what there is of it, and which pictures say so.
 
 use super::words::{name, number};
-use crate::scene::{CoatNormal, Colour, Opacity, Scalar, StandardSurface, TextureInput};
+use eyebox_scene::{CoatNormal, Colour, Opacity, Scalar, StandardSurface, TextureInput};
 
 /// A surface as people know it. Numbers are factors of the textures beside them.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -141,20 +141,20 @@ fn report(of: &'static str, input: &TextureInput) -> TextureReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::texture::{Channel, Encoding, Filter, Texels, TextureInput, Wrap};
-    use crate::scene::{Anisotropy, AnisotropyLaw, Film};
+    use eyebox_scene::texture::{Channel, Encoding, Filter, Texels, TextureInput, Wrap};
+    use eyebox_scene::{Anisotropy, AnisotropyLaw, Film};
     use std::sync::Arc;
 
     fn input(name: &str) -> TextureInput {
         let texels = Texels::Bytes(Arc::new(vec![[255; 4]; 2]));
         TextureInput {
-            texture: crate::scene::Texture { name: name.into(), width: 2, height: 1, texels }.into(),
+            texture: eyebox_scene::Texture { name: name.into(), width: 2, height: 1, texels }.into(),
             encoding: Encoding::Srgb,
             wrap: [Wrap::Repeat; 2],
             filter: Filter::Linear,
             set: 0,
             to_picture: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            channels: crate::scene::texture::Channel::ALL,
+            channels: eyebox_scene::texture::Channel::ALL,
             scale: [1.0; 4],
             bias: [0.0; 4],
             fallback: None,

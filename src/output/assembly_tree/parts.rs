@@ -1,7 +1,7 @@
 //! Parts: where they are and what fills them.
 
 use super::face::{FaceReport, area};
-use crate::scene::{Mesh, Part, Scene};
+use eyebox_scene::{Mesh, Part, Scene};
 use glam::{DAffine3, DVec3};
 
 /// A box along the world's axes, m.

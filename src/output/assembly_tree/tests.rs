@@ -1,9 +1,9 @@
 //! The report of a scene small enough to check by hand.
 
 use super::*;
-use crate::base::Where;
-use crate::base::ids::{CoatingId, GratingId, GroupId, MediumId, MeshId, SlideId, WavePlateId};
-use crate::scene::{
+use eyebox_base::Where;
+use eyebox_base::ids::{CoatingId, GratingId, GroupId, MediumId, MeshId, SlideId, WavePlateId};
+use eyebox_scene::{
     Absorption, Angular, Coating, Dispersion, Emitter, Face, FaceRange, FilmLayer, Finish, Grating, Group, Led, Medium,
     Mesh, Order, Part, Photometry, Residual, Retardance, Sensor, Shape, Slide, Spectrum, WavePlate,
 };
@@ -120,11 +120,11 @@ fn scene() -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.004,
             adapts: false,
-            limits: crate::scene::BinocularLimits {
+            limits: eyebox_scene::BinocularLimits {
                 convergence_mrad: Some(2.0),
                 dipvergence_mrad: Some(0.5),
                 image_distance_m: Some(2.2),
-                ..crate::scene::BinocularLimits::default()
+                ..eyebox_scene::BinocularLimits::default()
             },
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,

@@ -2,8 +2,8 @@
 
 use super::words;
 use super::{AssemblyTree, PartReport};
-use crate::base::Where;
-use crate::scene::{Note, Severity, Wavelengths};
+use eyebox_base::Where;
+use eyebox_scene::{Note, Severity, Wavelengths};
 use std::collections::HashMap;
 use std::fmt::Write;
 

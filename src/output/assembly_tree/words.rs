@@ -3,8 +3,8 @@
 use super::face::{EmitterReport, FaceReport, SlideReport};
 use super::look::LookReport;
 use super::parts::MediumReport;
-pub use crate::base::units::significant as number;
-use crate::scene::{Angular, Coating, CoatingLaw, EfficiencyGrid, Finish, Grating, Order, Orders, Shape, WavePlate};
+pub use eyebox_base::units::significant as number;
+use eyebox_scene::{Angular, Coating, CoatingLaw, EfficiencyGrid, Finish, Grating, Order, Orders, Shape, WavePlate};
 use glam::DVec3;
 
 /// Metres as mm.
@@ -147,7 +147,7 @@ fn finish(finish: Finish) -> String {
 }
 
 fn coating(coating: &Coating, traced_nm: f64) -> String {
-    let film = |film: &crate::scene::FilmLayer| {
+    let film = |film: &eyebox_scene::FilmLayer| {
         let index = film.index.index(traced_nm);
         let k = if index.im > 0.0 { format!(" + {}i", number(index.im, 4)) } else { String::new() };
         format!("n {}{k} {} nm", number(index.re, 5), number(film.thickness_nm, 6))

@@ -1,7 +1,7 @@
 //! Means of square blocks of pixels, where single pixels are too noisy to tell anything.
 
 use super::{Pair, sidak};
-use crate::base::students_t::{two_sided, welch};
+use eyebox_base::students_t::{two_sided, welch};
 
 /// How a layer is tested.
 #[derive(Debug, Clone, Copy)]

@@ -1,13 +1,13 @@
 //! What the headers of two frames say: whether they can be compared, what was different about their making, and how well
 //! their errors are known.
 
-use crate::film::colours::Colours;
-use crate::film::frame::Frame;
-use crate::film::plan::Estimator;
-use crate::output::exr::WHITE_LUMINANCE;
+use crate::exr::WHITE_LUMINANCE;
+use eyebox_film::colours::Colours;
+use eyebox_film::frame::Frame;
+use eyebox_film::plan::Estimator;
 
 /// Independent scrambles that light tracing learns its error from; see `film::scrambles`.
-const REPLICATES: f64 = crate::film::replicates::REPLICATES as f64;
+const REPLICATES: f64 = eyebox_film::replicates::REPLICATES as f64;
 
 /// Samples behind a frame's errors, less one: none known counts as many.
 pub fn freedom(frame: &Frame) -> f64 {

@@ -3,9 +3,9 @@
 use super::blocks::{self, Trial};
 use super::names::{belongs, is_data, is_light};
 use super::{LayerDifference, Pair, Verdict, sidak};
-use crate::base::students_t::{two_sided, welch};
-use crate::film::frame::Frame;
-use crate::output::luminance::Luminance;
+use crate::luminance::Luminance;
+use eyebox_base::students_t::{two_sided, welch};
+use eyebox_film::frame::Frame;
 
 /// Layers without error may differ by this share of their range: f32 rounding after different orders of sums.
 const ROUNDING: f64 = 1e-5;

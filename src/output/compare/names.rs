@@ -1,8 +1,8 @@
 //! What the names of channels and layers say: which layers two frames have in common, which hold light, data or errors.
 
-use crate::film::frame::{Channel, Frame};
-use crate::film::layer::Layer;
-use crate::film::names::is_error;
+use eyebox_film::frame::{Channel, Frame};
+use eyebox_film::layer::Layer;
+use eyebox_film::names::is_error;
 
 /// The layers to compare, and those that only one frame has. A share of light without light is not written, so where only
 /// one frame has it the other is black.

@@ -1,7 +1,7 @@
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::film::frame::Meta;
-use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
+use crate::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_film::frame::Meta;
 
 const WIDTH: usize = 32;
 const HEIGHT: usize = 32;
@@ -13,7 +13,7 @@ fn sampled(seed: u64, mean: impl Fn(usize) -> f64, sigma: f64, passes: usize) ->
     let (mut light, mut error) = (Vec::new(), Vec::new());
     for pixel in 0..WIDTH * HEIGHT {
         let mut rng = Rng::new(seed, Stream::Check, 0, pixel as u64);
-        let mut moments = crate::base::stats::Moments::default();
+        let mut moments = eyebox_base::stats::Moments::default();
         for _ in 0..passes {
             // Box and Muller.
             let (a, b) = (1.0 - rng.uniform(), rng.uniform());
@@ -180,7 +180,7 @@ fn blocks_judge_rare_light() {
         let mut frame = sampled(seed, |_| 0.0, 0.0, 16);
         for pixel in 0..WIDTH * HEIGHT {
             let mut rng = Rng::new(seed, Stream::Check, 1, pixel as u64);
-            let mut moments = crate::base::stats::Moments::default();
+            let mut moments = eyebox_base::stats::Moments::default();
             (0..16).for_each(|_| moments.add(if rng.uniform() < 0.005 { 200.0 * light } else { 0.0 }));
             for channel in &mut frame.channels {
                 let error = channel.name.starts_with("stderr");

@@ -2,9 +2,9 @@
 
 use super::header;
 use super::names::{belongs, common, is_data, is_light};
-use crate::base::error::{Error, Result, Where};
-use crate::film::frame::Frame;
-use crate::film::names::is_error;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::frame::Frame;
+use eyebox_film::names::is_error;
 
 /// The value of a layer at which A and B differ most.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -4,11 +4,11 @@
 use std::collections::BTreeMap;
 
 use super::super::compare::is_data;
-use crate::base::error::{Error, Result, Where};
-use crate::film::cryptomatte::{KEYS, Matte, renamed};
-use crate::film::exr::{LAYER_PREFIX, is_matte_name, is_word};
-use crate::film::frame::{Frame, Meta, split_name};
-use crate::film::names;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::cryptomatte::{KEYS, Matte, renamed};
+use eyebox_film::exr::{LAYER_PREFIX, is_matte_name, is_word};
+use eyebox_film::frame::{Frame, Meta, split_name};
+use eyebox_film::names;
 
 /// Metadata: 1 where pictures are to be stored as half floats.
 pub const HALF: &str = "halfFloat";

@@ -1,10 +1,10 @@
 //! How the numbers of a file are stored: as whole floats or halves, and by which compression.
 
 use super::naming::{Part, Stored};
-use crate::film::exr::is_word;
-use crate::film::frame::{Frame, split_name};
 use ::exr::meta::attribute::SampleType;
 use ::exr::prelude::{Compression, f16};
+use eyebox_film::exr::is_word;
+use eyebox_film::frame::{Frame, split_name};
 
 /// A compression of OpenEXR.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -4,8 +4,8 @@ use std::path::Path;
 use ::exr::prelude::*;
 
 use super::{read_exr, warnings, write_exr};
-use crate::film::exr::decode;
-use crate::film::frame::{Frame, Meta};
+use eyebox_film::exr::decode;
+use eyebox_film::frame::{Frame, Meta};
 
 /// A generator of test values; any will do (constants of Knuth's MMIX).
 struct Values(u64);
@@ -73,9 +73,9 @@ fn round_trip_keeps_every_bit_and_all_metadata() {
 fn prefix_and_parts_are_the_files_own_business() {
     let mut plain = sample();
     plain.push("Z", vec![1.5; 67 * 45]);
-    crate::film::cryptomatte::add(
+    eyebox_film::cryptomatte::add(
         &mut plain,
-        crate::film::cryptomatte::Matte::Part,
+        eyebox_film::cryptomatte::Matte::Part,
         &vec![Default::default(); 67 * 45],
         &["p"],
     );
@@ -97,7 +97,7 @@ fn prefix_and_parts_are_the_files_own_business() {
         // The specification's key: seven digits of the hash of the name that the layers have in the file.
         let stored = format!("{}CryptoPart", prefix.unwrap_or(""));
         let key =
-            format!("cryptomatte/{}/name\0", &format!("{:08x}", crate::film::cryptomatte::identity(&stored))[..7]);
+            format!("cryptomatte/{}/name\0", &format!("{:08x}", eyebox_film::cryptomatte::identity(&stored))[..7]);
         assert!(contains(&bytes, &key) && contains(&bytes, "cryptomatte/3201c4f/") == prefix.is_none(), "{key}");
         let back = decode(&bytes).unwrap();
         assert_eq!(by_name(&back), by_name(&frame), "{prefix:?} {several}");
@@ -147,7 +147,7 @@ fn a_hostile_prefix_loses_nothing() {
     let plain = bytes_of(&frame);
     let mut back = decode(&plain).unwrap();
     back.meta.insert("layerPrefix".to_owned(), Meta::Text("a_".into()));
-    crate::film::exr::without_prefix(&mut back);
+    eyebox_film::exr::without_prefix(&mut back);
     assert_eq!(back.layer_names(), ["", "R", "a_", "a_1", "a_R"]);
 }
 
@@ -246,7 +246,7 @@ fn long_names_are_declared() {
 fn many_channels_are_warned_about() {
     let mut frame = Frame::new(1, 1);
     frame.channels =
-        (0..501).map(|i| crate::film::frame::Channel { name: format!("g{i}.R"), data: vec![0.0].into() }).collect();
+        (0..501).map(|i| eyebox_film::frame::Channel { name: format!("g{i}.R"), data: vec![0.0].into() }).collect();
     assert!(warnings(&frame)[0].starts_with("501 channels"));
     frame.channels.pop();
     assert!(warnings(&frame).is_empty());

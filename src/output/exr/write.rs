@@ -17,13 +17,13 @@ use ::exr::prelude::{Vec2, f16};
 use super::naming::{self, Part, Stored};
 use super::packing::{sample_type, too_bright};
 use super::{COLOR_INTEROP_ID, COMPRESSION, DATA, LAYER_PREFIX, PREFIX, Packing, WHITE_LUMINANCE, header};
-use crate::base::atomic::write_atomic_by;
-use crate::base::error::{Error, Result, Where};
-use crate::film::colours::{self, Colours};
-use crate::film::crop::Window;
-use crate::film::exr::{CHROMATICITIES, is_word};
-use crate::film::frame::{Frame, Meta, split_name};
-use crate::film::{cryptomatte, names};
+use eyebox_base::atomic::write_atomic_by;
+use eyebox_base::error::{Error, Result, Where};
+use eyebox_film::colours::{self, Colours};
+use eyebox_film::crop::Window;
+use eyebox_film::exr::{CHROMATICITIES, is_word};
+use eyebox_film::frame::{Frame, Meta, split_name};
+use eyebox_film::{cryptomatte, names};
 
 /// Nuke stops at 1023 channels and slows down long before (`design/layers.md`).
 const MANY_CHANNELS: usize = 500;

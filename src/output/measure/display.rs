@@ -2,13 +2,13 @@
 
 use super::points::{nine, uv, window};
 use super::{Measurer, Quantity, ghost, plain, quantity, unmeasured};
-use crate::base::colour::ColourSpace;
-use crate::film::colours::Colours;
-use crate::output::average::{Image, Uncertain, mean};
-use crate::output::contrasts::Contrasts;
-use crate::output::field::Field;
-use crate::output::leak::{Visibility, brightest, leak_luminance};
-use crate::output::solve::lit_pixels;
+use crate::average::{Image, Uncertain, mean};
+use crate::contrasts::Contrasts;
+use crate::field::Field;
+use crate::leak::{Visibility, brightest, leak_luminance};
+use crate::solve::lit_pixels;
+use eyebox_base::colour::ColourSpace;
+use eyebox_film::colours::Colours;
 
 /// What needs to know which light is the display's.
 pub const DISPLAY: [(&str, &str); 8] = [

@@ -203,7 +203,7 @@ mod tests {
 
     /// Distribution function of the normal distribution.
     fn step(x: f64) -> f64 {
-        1.0 - crate::base::stats::normal_tail(x)
+        1.0 - eyebox_base::stats::normal_tail(x)
     }
 
     fn edge(width: usize, height: usize, slope: f64, sigma: f64, upright: bool) -> Region {

@@ -1,7 +1,7 @@
 //! Pictures with a planted ghost: of a known ratio, at a known shift.
 
 use super::*;
-use crate::base::rng::{Rng, Stream};
+use eyebox_base::rng::{Rng, Stream};
 
 const SIZE: [usize; 2] = [160, 96];
 

@@ -1,8 +1,8 @@
 //! Where on a display is measured, and colours in u′, v′.
 
-use crate::film::frame::Frame;
-use crate::output::leak::patch_pixels;
-use crate::output::solve::lit_pixels;
+use crate::leak::patch_pixels;
+use crate::solve::lit_pixels;
+use eyebox_film::frame::Frame;
 
 /// The box around the lit pixels: left, top, right and bottom, the last two exclusive.
 pub fn window(white: &[f64], width: usize) -> Option<[usize; 4]> {

@@ -1,6 +1,6 @@
 use super::points::uv;
 use super::*;
-use crate::film::frame::Meta;
+use eyebox_film::frame::Meta;
 
 const WIDTH: usize = 60;
 const HEIGHT: usize = 30;
@@ -103,7 +103,7 @@ fn colours_of_nine_points() {
     }
     let found = measure(&frame, &Target::default()).unwrap();
     // White against (1.73, 1.28…): by hand from the matrix, points at x = 16.5 and 43.5.
-    let uv_of = |red: f64| uv(crate::base::colour::ColourSpace::Rec709.to_xyz([red, 1.0, 1.0])).unwrap();
+    let uv_of = |red: f64| uv(eyebox_base::colour::ColourSpace::Rec709.to_xyz([red, 1.0, 1.0])).unwrap();
     let (a, b) = (uv_of(1.0 + 16.0 / 60.0), uv_of(1.0 + 43.0 / 60.0));
     let want = (a[0] - b[0]).hypot(a[1] - b[1]);
     let got = named(&found, "colour uniformity").value.unwrap();

@@ -1,8 +1,8 @@
 use super::*;
-use crate::film::frame::Meta;
-use crate::film::still::{Light, Still};
-use crate::output::plate::place;
-use crate::output::sum_frames::join;
+use crate::plate::place;
+use crate::sum_frames::join;
+use eyebox_film::frame::Meta;
+use eyebox_film::still::{Light, Still};
 
 /// Two pixels of a frame with two groups: `led` crosses the slide (once and twice), `sky` does not. Values are exact in
 /// f32, so that sums are too.
@@ -179,7 +179,7 @@ fn a_plate_is_dimmed_by_what_it_is_seen_through() {
 #[test]
 fn unknown_errors_stay_unknown() {
     let mut frame = with_errors();
-    let unknown = |channel: &&mut crate::film::frame::Channel| crate::film::names::is_error(channel.layer());
+    let unknown = |channel: &&mut eyebox_film::frame::Channel| eyebox_film::names::is_error(channel.layer());
     frame.channels.iter_mut().filter(unknown).for_each(|channel| channel.data = vec![f32::NAN; 2].into());
     let rendering = Rendering::of(&frame).expect("an unknown error is no damage");
     for recipe in [gains(&[("led", 2.0)]), Recipe { contrast: Some(2.0), ..Recipe::default() }] {

@@ -1,7 +1,7 @@
 //! Paths as `LINE_STRIP`s of a binary glTF: a node for each end, a primitive for each path, names in `extras`.
 
 use super::{End, Line, by_end};
-use crate::base::glb::container;
+use eyebox_base::glb::container;
 use serde_json::{Value as Json, json};
 
 /// The bytes of the file; none if it would pass the 4 GiB of the format.

@@ -1,8 +1,8 @@
 //! How the relative error fell with passes.
 
-use crate::base::stats::beyond_noise;
-use crate::film::frame::Frame;
-use crate::output::luminance::layer_luminance;
+use crate::luminance::layer_luminance;
+use eyebox_base::stats::beyond_noise;
+use eyebox_film::frame::Frame;
 use serde_json::{Value, json};
 
 /// Where `render --convergence` leaves its list of [passes, relative error].

@@ -1,9 +1,9 @@
 //! What a frame's header says, as tables: scene and run, plan, ledgers.
 
-use crate::base::ids::GroupId;
-use crate::film::frame::{Frame, Meta};
-use crate::film::witness::{Judgement, Off};
-use crate::output::field::Field;
+use crate::field::Field;
+use eyebox_base::ids::GroupId;
+use eyebox_film::frame::{Frame, Meta};
+use eyebox_film::witness::{Judgement, Off};
 use serde_json::{Value, json};
 
 /// A header's value for people; none if it is missing or empty.
@@ -40,7 +40,7 @@ pub fn facts(frame: &Frame) -> Vec<[String; 2]> {
     put("field of view", field.map(|[width, height]| format!("{width:.3}° × {height:.3}°")));
     let pupil = frame.number("pupilDiameter_m").map(|metres| format!("{} mm", round(1e3 * metres)));
     put("pupil", pupil);
-    put("colour space", Some(crate::film::colours::Colours::of(frame).name(frame)));
+    put("colour space", Some(eyebox_film::colours::Colours::of(frame).name(frame)));
     put("wavelengths", said(frame, "wavelengths").map(wavelengths));
     put("contrast of the slide", frame.number("contrast").map(round));
     put("light groups", list(frame, "groups").map(|groups| groups.join(", ")));

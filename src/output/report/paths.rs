@@ -1,7 +1,7 @@
 //! The table of light paths: from the header, or else the shares of the light groups.
 
 use super::Shares;
-use crate::film::frame::Frame;
+use eyebox_film::frame::Frame;
 use serde_json::{Value, json};
 
 /// Rows, what stands above them, and the unit of their amounts.

@@ -1,6 +1,6 @@
 //! Planes of numbers inside the page: each a PNG in base64, which holds the first three bytes of every value.
 
-use crate::base::error::{Error, Result, Where};
+use eyebox_base::error::{Error, Result, Where};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use std::collections::HashMap;

@@ -1,9 +1,9 @@
 //! What the contrast of each of several slides does to the picture.
 
 use super::facts::round;
-use crate::output::contrasts::Contrasts;
-use crate::output::light_shares::{Rendering, luminance_of};
-use crate::output::luminance::Luminance;
+use crate::contrasts::Contrasts;
+use crate::light_shares::{Rendering, luminance_of};
+use crate::luminance::Luminance;
 
 /// Name and what it does, a row for each slide in the header's order; none for a scene with one slide.
 pub fn rows(rendering: &Rendering) -> Vec<[String; 2]> {
@@ -13,7 +13,7 @@ pub fn rows(rendering: &Rendering) -> Vec<[String; 2]> {
         let of = |share| luminance_of(share, contrasts, &weigh, pixels).iter().sum::<f64>() / pixels.max(1) as f64;
         rendering.shares.iter().map(of).sum()
     };
-    let row = |slide: &crate::film::finish::slides::SlideInfo| {
+    let row = |slide: &eyebox_film::finish::slides::SlideInfo| {
         let name = &slide.name;
         let because = rendering.shares.iter().flat_map(|share| &share.refused_by_slide).find(|(own, _)| own == name);
         let said = match because {

@@ -1,6 +1,6 @@
 use super::planes::tests::decode;
 use super::*;
-use crate::film::frame::Meta;
+use eyebox_film::frame::Meta;
 
 /// A group's name that would be markup, in a file that anyone may have made.
 const HOSTILE: &str = "</script><img src=x onerror=pwned=1>";

@@ -1,7 +1,7 @@
 use super::*;
-use crate::film::frame::{Frame, Meta};
-use crate::output::leak::patch_pixels;
-use crate::output::mix::mix;
+use crate::leak::patch_pixels;
+use crate::mix::mix;
+use eyebox_film::frame::{Frame, Meta};
 
 const WIDTH: usize = 24;
 const HEIGHT: usize = 12;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::film::frame::Meta;
-use crate::output::exr::COLOR_INTEROP_ID;
+use crate::exr::COLOR_INTEROP_ID;
+use eyebox_film::frame::Meta;
 
 fn picture(values: &[f32]) -> Frame {
     let mut frame = Frame::new(values.len(), 1);

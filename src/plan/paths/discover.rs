@@ -8,20 +8,20 @@ use super::start_side::Lamps;
 use super::tuning::discover::{
     ENOUGH, KEPT_CHAINS, KEPT_STARTS, LEAST_LOOKS, LOOKS, MOST, MOST_LOOKS, MOST_STARTS, WORTH,
 };
-use crate::base::chain::Chain;
-use crate::base::ids::GroupId;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::{Shots, Starts};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::walk::{Travel, Walker};
-use crate::film::guide::{Point, Sample};
-use crate::plan::pilots;
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
+use crate::pilots;
+use eyebox_base::chain::Chain;
+use eyebox_base::ids::GroupId;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::{Shots, Starts};
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::walk::{Travel, Walker};
+use eyebox_film::guide::{Point, Sample};
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

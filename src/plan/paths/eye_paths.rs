@@ -3,22 +3,22 @@
 use super::chain_sampling::All;
 use super::lamp_paths::{Caught, LampEnd, Source, Split, Trace, Way};
 use super::part_sequence::Visits;
-use crate::base::chain::Chain;
-use crate::base::ids::GroupId;
-use crate::base::rng::Rng;
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::Shots;
-use crate::estimate::emitter_hit::EmitterHit;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
-use crate::film::accumulate::Light;
-use crate::film::guide::Point;
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, components, lanes};
-use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
+use eyebox_base::chain::Chain;
+use eyebox_base::ids::GroupId;
+use eyebox_base::rng::Rng;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::Shots;
+use eyebox_estimate::emitter_hit::EmitterHit;
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
+use eyebox_film::accumulate::Light;
+use eyebox_film::guide::Point;
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, components, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::scatter::Scatter;
 use rayon::prelude::*;
 use std::cell::Cell;
 
@@ -27,7 +27,7 @@ pub struct End<'e, 'w, M: Mode> {
     pub walker: &'e Walker<'w, M>,
     pub vertex: &'e Vertex,
     pub scatter: &'w Scatter,
-    pub frame: &'e crate::base::warp::Frame,
+    pub frame: &'e eyebox_base::warp::Frame,
     /// From the scatterer to the eye.
     pub chain: Visits,
 }

@@ -2,21 +2,21 @@
 
 use super::chain_sampling::All;
 use super::part_sequence::Visits;
-use crate::base::chain::Chain;
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::base::rng::Stream;
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::{Emission, Origin, Shots, Visitor};
-use crate::estimate::walk::{Vertex, Walker};
-use crate::film::accumulate::Light;
-use crate::film::guide::Point;
-use crate::world::World;
-use crate::world::eye::Arrival;
-use crate::world::geometry::Site;
-use crate::world::mode::{Mode, components, lanes};
-use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
+use eyebox_base::chain::Chain;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_base::rng::Stream;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::{Emission, Origin, Shots, Visitor};
+use eyebox_estimate::walk::{Vertex, Walker};
+use eyebox_film::accumulate::Light;
+use eyebox_film::guide::Point;
+use eyebox_world::World;
+use eyebox_world::eye::Arrival;
+use eyebox_world::geometry::Site;
+use eyebox_world::mode::{Mode, components, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::scatter::Scatter;
 use glam::{DVec2, DVec3};
 use std::cell::Cell;
 

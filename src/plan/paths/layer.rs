@@ -4,11 +4,11 @@ use super::chain_sampling::Directed;
 use super::lamp_paths::{Split, Way};
 use super::start_side::Sides;
 use super::{DEEPER, How, Row, Runs, Table, find};
-use crate::base::ids::GroupId;
-use crate::base::{Error, Result, Where};
-use crate::check::Checked;
-use crate::estimate::ShouldStop;
-use crate::world::World;
+use eyebox_base::ids::GroupId;
+use eyebox_base::{Error, Result, Where};
+use eyebox_check::Checked;
+use eyebox_estimate::ShouldStop;
+use eyebox_world::World;
 
 /// A picture that is asked for.
 #[derive(Debug, Clone)]

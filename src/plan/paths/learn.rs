@@ -2,14 +2,14 @@
 
 use super::chain_sampling::All;
 use super::lamp_paths::{Arrivals, Caught, Source, Split, Way};
-use crate::base::ids::GroupId;
-use crate::base::rng::Stream;
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::{Emission, Shots, Starts};
-use crate::film::guide::{Point, Sample};
-use crate::plan::pilots::{self, Look};
-use crate::world::World;
-use crate::world::mode::{Mode, Mono};
+use crate::pilots::{self, Look};
+use eyebox_base::ids::GroupId;
+use eyebox_base::rng::Stream;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::{Emission, Shots, Starts};
+use eyebox_film::guide::{Point, Sample};
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono};
 use std::collections::BTreeMap;
 
 /// The table's own paths as a pilot sees them. A path counts by the roots of the shares of the ways that it found: a ghost

@@ -1,7 +1,7 @@
 //! What a light path does at the parts that it meets, part by part: a chain of faces as people read it.
 
-use crate::base::chain::{Chain, Link, Step};
-use crate::scene::Scene;
+use eyebox_base::chain::{Chain, Link, Step};
+use eyebox_scene::Scene;
 use std::collections::BTreeSet;
 
 /// What a path does at one part.

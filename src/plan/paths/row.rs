@@ -4,9 +4,9 @@ use super::lamp_paths::{Source, Way};
 use super::part_sequence::{Visits, part_name};
 use super::tally::{Footprint, Tally};
 use super::{Rows, source_name};
-use crate::base::ids::GroupId;
-use crate::scene::Scene;
-use crate::world::World;
+use eyebox_base::ids::GroupId;
+use eyebox_scene::Scene;
+use eyebox_world::World;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a row is to the picture.

@@ -5,18 +5,18 @@ use super::chain_sampling::All;
 use super::discover::{Start, discover};
 use super::lamp_paths::{self, Source, Split};
 use super::learn::Looks;
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::check::Checked;
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::Emission;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::photon::visible_receivers::VisibleReceivers;
-use crate::film::guide::Guide;
-use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
-use crate::plan::pilots::{self, pilot_cache::PilotCache};
-use crate::plan::selection::facts::{auto, has_rays, skip};
-use crate::world::World;
+use crate::pilots::{self, pilot_cache::PilotCache};
+use crate::selection::facts::{auto, has_rays, skip};
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_check::Checked;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::Emission;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::photon::visible_receivers::VisibleReceivers;
+use eyebox_film::guide::Guide;
+use eyebox_film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
+use eyebox_world::World;
 
 /// From which side the light of each group is found.
 pub(super) struct Sides {

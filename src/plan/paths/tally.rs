@@ -1,7 +1,7 @@
 //! Sums over the paths of one row of the table: flux with its error, and where in the picture the light arrives.
 
 use super::lamp_paths::Source;
-use crate::world::eye::EyeLens;
+use eyebox_world::eye::EyeLens;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What was found of one row.
@@ -139,7 +139,7 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::rng::{Rng, Stream};
 
     /// Half of the pixels, hit evenly by fewer paths than there are pixels: the share is found without seeing them all.
     #[test]
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn errors_come_from_paths_or_passes() {
         let mut rng = Rng::new(5, Stream::Check, 0, 0);
-        let mut means = [crate::base::stats::Moments::default(); 2];
+        let mut means = [eyebox_base::stats::Moments::default(); 2];
         let mut stated = [0.0; 2];
         for _ in 0..200 {
             let mut tallies = [Tally::default(), Tally::default()];

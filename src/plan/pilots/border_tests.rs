@@ -1,19 +1,19 @@
 //! Photons where cells that connection leaves to them border on connected ones.
 
-use crate::check::check;
-use crate::estimate::manifold::receiver::{Claim, Receivers};
-use crate::estimate::ownership::Ownership;
-use crate::estimate::photon::{PhotonMapper, radii_of_pass};
-use crate::estimate::photon_map::Photon;
-use crate::film::plan::Estimator;
-use crate::import::{ImportOptions, import};
-use crate::plan::{Choice, plan};
-use crate::scene::{Eye, Finish, Group, Scene, Shape};
-use crate::world::World;
-use crate::world::geometry::Site;
-use crate::world::geometry::scenes;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
+use crate::{Choice, plan};
+use eyebox_check::check;
+use eyebox_estimate::manifold::receiver::{Claim, Receivers};
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::photon::{PhotonMapper, radii_of_pass};
+use eyebox_estimate::photon_map::Photon;
+use eyebox_film::plan::Estimator;
+use eyebox_import::{ImportOptions, import};
+use eyebox_scene::{Eye, Finish, Group, Scene, Shape};
+use eyebox_world::World;
+use eyebox_world::geometry::Site;
+use eyebox_world::geometry::scenes;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
 use glam::{DAffine3, DVec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ fn photons_are_gathered_on_one_side_of_a_border() {
     const MANY: usize = 8;
     /// Of the kernels' radius.
     const NEAR: f64 = 0.25;
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/peers/a1/a1.optics.toml");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples/peers/a1/a1.optics.toml");
     let scene = import(&path, &ImportOptions::default()).unwrap().scene;
     let world = &World::freeze(&scene).unwrap();
     let optics = Mono::<f64>::optics(world, 0, 0);
@@ -101,7 +101,7 @@ fn half_a_pane() -> Scene {
         up: DVec3::new(0.0, 0.28, 0.96),
         pupil_diameter_m: 2e-3,
         adapts: false,
-        limits: crate::scene::BinocularLimits::default(),
+        limits: eyebox_scene::BinocularLimits::default(),
         fov_deg: 60.0,
         resolution: [64, 64],
         ..scene.eye

@@ -3,34 +3,34 @@
 use super::eye_pilot;
 use super::reached::is_reached;
 use super::tuning::chains::{LEAST, LEAST_ON_FACE, MOST_SPLITS, PATHS, SCREEN_SEEDS, SEEDS, WORTH, WORTH_ON_FACE};
-use crate::base::chain::Chain;
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::splitting::Splitting;
-use crate::estimate::walk::{Travel, Vertex, Walker};
-use crate::film::guide::Guide;
-use crate::film::plan::{Estimator, MOST_ENTRIES, MOST_LIT, Plan};
-use crate::film::specular_chain::{Connection, Lens, Screen, ScreenSeed, Seed, SpecularChain};
-use crate::world::World;
-use crate::world::eye::Arrival;
-use crate::world::geometry::{Ray, Site};
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
+use eyebox_base::chain::Chain;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::splitting::Splitting;
+use eyebox_estimate::walk::{Travel, Vertex, Walker};
+use eyebox_film::guide::Guide;
+use eyebox_film::plan::{Estimator, MOST_ENTRIES, MOST_LIT, Plan};
+use eyebox_film::specular_chain::{Connection, Lens, Screen, ScreenSeed, Seed, SpecularChain};
+use eyebox_world::World;
+use eyebox_world::eye::Arrival;
+use eyebox_world::geometry::{Ray, Site};
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
+use eyebox_world::scatter::Scatter;
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
-pub(in crate::plan) const SEED: u64 = 0x77a1;
+pub(crate) const SEED: u64 = 0x77a1;
 
 /// Light that arrived over one chain, and where.
-pub(in crate::plan) struct Arrived {
+pub(crate) struct Arrived {
     pub group: GroupId,
     /// From the lamp.
     pub chain: Chain,
@@ -171,7 +171,7 @@ fn seeds(arrived: &[Arrived]) -> Vec<Seed> {
 }
 
 /// The train of a chain from a lamp, as the ray from the eye through these places finds it.
-pub(in crate::plan) fn train(
+pub(crate) fn train(
     tracing: (&World, &Optics<Mono>),
     chain: &Chain,
     film: DVec2,

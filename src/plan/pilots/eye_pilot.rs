@@ -3,16 +3,16 @@
 
 use super::chains::{Arrived, SEED};
 use super::tuning::eye_pilot::{LEAST, MOST_MET, RAYS};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::disk;
-use crate::estimate::ShouldStop;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
-use crate::world::World;
-use crate::world::geometry::{Ray, Site};
-use crate::world::interior::Interior;
-use crate::world::mode::Mono;
-use crate::world::optics::Optics;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::disk;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
+use eyebox_world::World;
+use eyebox_world::geometry::{Ray, Site};
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::Mono;
+use eyebox_world::optics::Optics;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -30,7 +30,7 @@ struct From {
 }
 
 /// Lamps seen over chains of specular faces, as if their light had arrived. Once `stop` says true the rest is left out.
-pub(in crate::plan) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> Vec<Arrived> {
+pub(crate) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> Vec<Arrived> {
     each_met(tracing, stop, |walker, vertex, from| {
         let (seen, chain) = (walker.lamp_at(vertex)?, walker.chain()?);
         // With the slides open: a dark place of the picture has the same trains.
@@ -49,12 +49,12 @@ pub(in crate::plan) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<
 
 /// The faces (part, face) that rays from the eye meet first, or after specular ones. Once `stop` says true the rest is left
 /// out.
-pub(in crate::plan) fn faces(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> BTreeSet<(u32, u32)> {
+pub(crate) fn faces(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> BTreeSet<(u32, u32)> {
     each_met(tracing, stop, |_, vertex, _| Some(sides_of(vertex))).into_iter().flatten().flatten().collect()
 }
 
 /// The face that a path has met, and the one that touches it there.
-pub(in crate::plan) fn sides_of(vertex: &Vertex) -> [Option<(u32, u32)>; 2] {
+pub(crate) fn sides_of(vertex: &Vertex) -> [Option<(u32, u32)>; 2] {
     let face = |site: Site| (site.part, site.face);
     [Some(face(vertex.hit.site)), vertex.touching.map(|other| face(other.site))]
 }

@@ -8,24 +8,24 @@ mod fit;
 mod straight;
 
 use super::tuning::glint_pilot::MOST_GLINTS;
-use crate::base::chain::Chain;
-use crate::estimate::ShouldStop;
-use crate::film::glint::Glint;
-use crate::film::unseen::Hidden;
-use crate::plan::pilots::chains::SEED;
-use crate::scene::Scene;
-use crate::world::World;
-use crate::world::mode::{Mode, Mono};
+use crate::pilots::chains::SEED;
+use eyebox_base::chain::Chain;
+use eyebox_estimate::ShouldStop;
+use eyebox_film::glint::Glint;
+use eyebox_film::unseen::Hidden;
+use eyebox_scene::Scene;
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono};
 
 /// A chain from the eye and a lamp.
-pub(crate) type Way = (Chain, usize);
+pub type Way = (Chain, usize);
 
 /// Whether a lamp is to be looked for.
-type Wants<'w> = dyn Fn(usize) -> bool + Sync + 'w;
+pub type Wants<'w> = dyn Fn(usize) -> bool + Sync + 'w;
 
 /// What is looked for.
 #[derive(Clone, Copy)]
-pub(crate) struct Search<'s> {
+pub struct Search<'s> {
     /// Lamps of which all images are.
     pub wants: &'s Wants<'s>,
     /// Ways over which images are taken that rays meet, though they are not looked for: connection has most of what is seen of the
@@ -37,7 +37,7 @@ pub(crate) struct Search<'s> {
 
 /// Small images of lamps, those over the shortest chains first, and what may be seen of lamps that something hides. Once `stop` says
 /// true the rest is left out.
-pub(in crate::plan) fn find(
+pub(crate) fn find(
     (world, scene): (&World, &Scene),
     search: Search<'_>,
     stop: &ShouldStop<'_>,
@@ -58,5 +58,5 @@ pub(in crate::plan) fn find(
     (found, hidden)
 }
 
-#[cfg(test)]
-pub(crate) use faces::find_by_way;
+#[cfg(any(test, feature = "testing"))]
+pub use faces::find_by_way;

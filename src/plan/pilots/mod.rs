@@ -4,7 +4,7 @@
 mod border_tests;
 pub mod chains;
 pub(super) mod eye_pilot;
-pub(crate) mod glint_pilot;
+pub mod glint_pilot;
 mod photons;
 pub(super) mod pilot_cache;
 pub(super) mod pilot_resolution;
@@ -18,17 +18,17 @@ pub(super) mod split_threshold;
 mod tests;
 mod tuning;
 
-use crate::base::ids::GroupId;
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::Starts;
-use crate::estimate::forward::Forward;
-use crate::estimate::manifold::seeds::bands::Bands;
-use crate::estimate::manifold::seeds::connections::Connections;
-use crate::estimate::ownership::Ownership;
-use crate::film::guide::{Even, Guide, Point, Sample};
-use crate::film::plan::{Estimator, Plan};
-use crate::world::World;
-use crate::world::mode::Mono;
+use eyebox_base::ids::GroupId;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::Starts;
+use eyebox_estimate::forward::Forward;
+use eyebox_estimate::manifold::seeds::bands::Bands;
+use eyebox_estimate::manifold::seeds::connections::Connections;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_film::guide::{Even, Guide, Point, Sample};
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_world::World;
+use eyebox_world::mode::Mono;
 pub(crate) use photons::photon;
 pub use photons::{by_light, is_strong, pixel_m};
 use std::cmp::Ordering;
@@ -63,7 +63,7 @@ impl ForwardPilot {
 }
 
 /// An estimator's paths with one guide, as a pilot sees them.
-pub(in crate::plan) trait Look {
+pub(crate) trait Look {
     fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample>;
     fn density(&self, lamp: usize, x: &Point) -> f64;
     fn flux(&self) -> &[f64];
@@ -227,7 +227,7 @@ pub fn forward_paths(share: f64, pixels: u64) -> u64 {
 }
 
 /// A pilot of paths to the picture, see [`look`].
-pub(in crate::plan) fn pilot<L: Look>(
+pub(crate) fn pilot<L: Look>(
     with: impl Fn(Option<&Guide>, u64) -> L,
     worth: impl Fn() -> bool,
     groups: usize,
@@ -239,7 +239,7 @@ pub(in crate::plan) fn pilot<L: Look>(
 }
 
 /// Looks that narrow down where paths start of which some starts are known.
-pub(in crate::plan) struct Narrow<L: Look> {
+pub(crate) struct Narrow<L: Look> {
     looks: Looks<L>,
     flux: Vec<f64>,
     known: Vec<Sample>,

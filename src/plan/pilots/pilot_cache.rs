@@ -3,20 +3,20 @@
 use super::glint_pilot::{self, Search};
 use super::split_threshold::{self, Branches};
 use super::{ForwardPilot, SEED, forward};
-use crate::base::chain::Chain;
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::estimate::ShouldStop;
-use crate::estimate::manifold::receiver::Receivers;
-use crate::estimate::manifold::seeds::connections::{Connections, index_of};
-use crate::estimate::manifold::solver::grid::Grid;
-use crate::film::glint::Glint;
-use crate::film::plan::{Estimator, Plan, Row, Verdict};
-use crate::film::specular_chain::{Connection, Screen};
-use crate::film::unseen::Hidden;
-use crate::plan::Planner;
-use crate::world::World;
-use crate::world::mode::{Mode, Mono};
+use crate::Planner;
+use eyebox_base::chain::Chain;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::manifold::receiver::Receivers;
+use eyebox_estimate::manifold::seeds::connections::{Connections, index_of};
+use eyebox_estimate::manifold::solver::grid::Grid;
+use eyebox_film::glint::Glint;
+use eyebox_film::plan::{Estimator, Plan, Row, Verdict};
+use eyebox_film::specular_chain::{Connection, Screen};
+use eyebox_film::unseen::Hidden;
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -56,14 +56,14 @@ impl PilotCache {
     }
 
     /// [`split_threshold::learn`].
-    pub(in crate::plan) fn branching(&self, making: &Planner<'_>, plan: &Plan) -> Branches {
+    pub(crate) fn branching(&self, making: &Planner<'_>, plan: &Plan) -> Branches {
         let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
         let key = plan.rows.iter().flat_map(broad).collect();
         known(&self.branching, key, |_| split_threshold::learn(making, plan))
     }
 
     /// [`glint_pilot::find`], for the lamps that the plan leaves to rays from the eye, and for ways that it leaves to them of others.
-    pub(in crate::plan) fn glints(&self, making: &Planner<'_>, plan: &Plan) -> Images {
+    pub(crate) fn glints(&self, making: &Planner<'_>, plan: &Plan) -> Images {
         let group_of = |lamp: usize| making.world.lamps.all()[lamp].group;
         let by_eye = |group| plan.owner(group, Class::Vision, false) == Some(Estimator::Backward);
         // Where other pilots found no way from the eye to a lamp nothing is looked for.

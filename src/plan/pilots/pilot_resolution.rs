@@ -1,23 +1,23 @@
 //! A pilot's smaller picture of what is planned for.
 
-use crate::base::Result;
-use crate::film::plan::Plan;
-use crate::scene::Eye;
-use crate::world::World;
+use eyebox_base::Result;
+use eyebox_film::plan::Plan;
+use eyebox_scene::Eye;
+use eyebox_world::World;
 
 /// The same world in a picture of fewer pixels.
-pub(in crate::plan) struct PilotResolution {
-    pub(in crate::plan) world: World,
-    pub(in crate::plan) size: [usize; 2],
+pub(crate) struct PilotResolution {
+    pub(crate) world: World,
+    pub(crate) size: [usize; 2],
     /// Longer side of the real one, pixels.
-    pub(in crate::plan) longer: usize,
+    pub(crate) longer: usize,
     /// Of the pixels of the real one.
-    pub(in crate::plan) share: f64,
+    pub(crate) share: f64,
 }
 
 impl PilotResolution {
     /// `side`: so many pixels along the longer side, or as the real one if that has no more. Errors: as [`World::seen_by`].
-    pub(in crate::plan) fn new(world: &World, eye: &Eye, side: usize) -> Result<PilotResolution> {
+    pub(crate) fn new(world: &World, eye: &Eye, side: usize) -> Result<PilotResolution> {
         let [width, height] = eye.resolution;
         let longer = width.max(height);
         let scale = (side as f64 / longer.max(1) as f64).min(1.0);
@@ -27,12 +27,12 @@ impl PilotResolution {
         Ok(PilotResolution { world, size, longer, share })
     }
 
-    pub(in crate::plan) fn pixels(&self) -> f64 {
+    pub(crate) fn pixels(&self) -> f64 {
         (self.size[0] * self.size[1]) as f64
     }
 
     /// The plan with fewer paths from lamps as there are fewer pixels, and as many photons within reach of a point.
-    pub(in crate::plan) fn plan(&self, plan: &Plan) -> Plan {
+    pub(crate) fn plan(&self, plan: &Plan) -> Plan {
         let mut own = plan.clone();
         if self.share < 1.0 {
             let fewer = |paths: u64| (paths as f64 * self.share).ceil() as u64;

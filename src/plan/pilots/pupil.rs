@@ -2,24 +2,24 @@
 
 use super::tuning::pupil::{OWN, PATHS, SPLIT_FROM};
 use super::{forward, pupil_guide::lit};
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::base::rng::Stream;
-use crate::check::Checked;
-use crate::estimate::ShouldStop;
-use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
-use crate::estimate::ownership::Ownership;
-use crate::estimate::walk::{Vertex, Walker};
-use crate::film::guide::{ApertureGuide, Guide};
-use crate::film::plan::{Estimator, Plan, Verdict};
-use crate::film::pupil::{Aperture, Crossing, Pupil};
-use crate::film::sharpness::GroupPupil;
-use crate::plan::selection::facts::{auto, skip};
-use crate::plan::{Asked, Choice, Guides};
-use crate::world::World;
-use crate::world::eye::Arrival;
-use crate::world::mode::{Mode, Mono};
-use crate::world::scatter::Scatter;
+use crate::selection::facts::{auto, skip};
+use crate::{Asked, Choice, Guides};
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_base::rng::Stream;
+use eyebox_check::Checked;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::walk::{Vertex, Walker};
+use eyebox_film::guide::{ApertureGuide, Guide};
+use eyebox_film::plan::{Estimator, Plan, Verdict};
+use eyebox_film::pupil::{Aperture, Crossing, Pupil};
+use eyebox_film::sharpness::GroupPupil;
+use eyebox_world::World;
+use eyebox_world::eye::Arrival;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::scatter::Scatter;
 use std::collections::BTreeMap;
 
 /// Pilots have a seed of their own: what they find is a function of the scene alone.
@@ -151,7 +151,7 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
 }
 
 /// Where light that `own` leaves to `forward` crosses the pupil, by group and lamp.
-pub(in crate::plan) fn crossings(
+pub(crate) fn crossings(
     world: &World,
     own: &Plan,
     groups: usize,

@@ -3,20 +3,20 @@
 
 use super::pupil;
 use super::tuning::pupil_guide::{LOOK, MOST_LAMPS, OF_LAMP, PATHS, WORTH};
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::base::warp::disk_inverse;
-use crate::film::guide::{ApertureGuide, Lit};
-use crate::film::plan::{Estimator, Plan, Row};
-use crate::film::pupil::Crossing;
-use crate::plan::Planner;
-use crate::plan::selection::facts::{OPEN, connect, kind, lamps_over_eye, skip};
+use crate::Planner;
+use crate::selection::facts::{OPEN, connect, kind, lamps_over_eye, skip};
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_base::warp::disk_inverse;
+use eyebox_film::guide::{ApertureGuide, Lit};
+use eyebox_film::plan::{Estimator, Plan, Row};
+use eyebox_film::pupil::Crossing;
 use glam::DVec2;
 use std::collections::BTreeMap;
 
 /// What rays from the eye need to know to find the lamps that the plan leaves to them in rows that `asks` says true of. None
 /// if it leaves none to them, no light of theirs arrives, or it fills the pupil. `known`: a plan of other owners.
-pub(in crate::plan) fn learn(
+pub(crate) fn learn(
     making: &Planner<'_>,
     plan: &Plan,
     asks: impl Fn(&Row) -> bool,
@@ -63,7 +63,7 @@ pub(in crate::plan) fn learn(
 
 /// For each of the groups `of` that connection sees, how dense the light of one lamp is in the pupil for a place in the
 /// picture, over that of light that fills it: the mean over the lamps.
-pub(in crate::plan) fn densities(making: &Planner<'_>, plan: &Plan, of: &[bool]) -> Vec<Option<f64>> {
+pub(crate) fn densities(making: &Planner<'_>, plan: &Plan, of: &[bool]) -> Vec<Option<f64>> {
     let (world, groups) = (making.world, making.groups());
     let connected = |row: &Row| {
         let kind = kind(&row.verdict);
@@ -86,7 +86,7 @@ pub(in crate::plan) fn densities(making: &Planner<'_>, plan: &Plan, of: &[bool])
 }
 
 /// Every light group is as important as any other, whatever it adds to the picture.
-pub(in crate::plan) fn lit(by_lamp: &BTreeMap<(GroupId, usize), Vec<Crossing>>, radius_m: f64) -> Vec<Lit> {
+pub(crate) fn lit(by_lamp: &BTreeMap<(GroupId, usize), Vec<Crossing>>, radius_m: f64) -> Vec<Lit> {
     let mut of_group: BTreeMap<GroupId, f64> = BTreeMap::new();
     for ((group, _), crossings) in by_lamp {
         *of_group.entry(*group).or_default() += crossings.iter().map(|crossing| crossing.open).sum::<f64>();

@@ -4,18 +4,18 @@
 use super::chains::{Arrived, SEED};
 use super::eye_pilot;
 use super::tuning::reached::{FEWEST_ARRIVED, SIGMAS};
-use crate::base::path::Class;
-use crate::estimate::ShouldStop;
-use crate::estimate::manifold::seeds::connections::Connections;
-use crate::estimate::manifold::solver::newton::Target;
-use crate::estimate::ownership::Ownership;
-use crate::film::plan::{Estimator, Plan};
-use crate::world::World;
-use crate::world::mode::{Mode, Mono};
+use eyebox_base::path::Class;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::manifold::seeds::connections::Connections;
+use eyebox_estimate::manifold::solver::newton::Target;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono};
 
 /// Whether paths from the lamps bring the light of a train that rays from the eye have `seen`: some arrived, and not
 /// surely less than was seen.
-pub(in crate::plan) fn is_reached(arrived: &[Arrived], seen: &[Arrived]) -> bool {
+pub(crate) fn is_reached(arrived: &[Arrived], seen: &[Arrived]) -> bool {
     let sum = |all: &[Arrived]| {
         let fold = |(sum, square): (f64, f64), a: &Arrived| (sum + a.luminance, square + a.luminance * a.luminance);
         let (sum, square) = all.iter().fold((0.0, 0.0), fold);

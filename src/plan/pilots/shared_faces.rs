@@ -4,21 +4,21 @@
 use super::SEED;
 use super::eye_pilot::{self, sides_of};
 use super::tuning::shared_faces::{LEAST, MOST_SPLITS, PATHS, POINTS};
-use crate::base::lattice::lattice;
-use crate::base::path::Class;
-use crate::base::rng::Stream;
-use crate::estimate::ShouldStop;
-use crate::estimate::data::{End, go_straight};
-use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::splitting::Splitting;
-use crate::estimate::walk::{Vertex, Walker};
-use crate::film::plan::{Estimator, Plan, Verdict};
-use crate::world::World;
-use crate::world::eye::Arrival;
-use crate::world::mode::{Mode, Mono};
-use crate::world::scatter::Scatter;
+use eyebox_base::lattice::lattice;
+use eyebox_base::path::Class;
+use eyebox_base::rng::Stream;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::data::{End, go_straight};
+use eyebox_estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::splitting::Splitting;
+use eyebox_estimate::walk::{Vertex, Walker};
+use eyebox_film::plan::{Estimator, Plan, Verdict};
+use eyebox_world::World;
+use eyebox_world::eye::Arrival;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::scatter::Scatter;
 use glam::DVec3;
 use std::collections::BTreeSet;
 
@@ -46,7 +46,7 @@ impl Visitor<Mono> for Faces {
 
 /// Whether a lamp may be in plain sight, through glass as well: small ones are missed by rays that aim at nothing. No where
 /// something that is not specular stands on the way from the middle of the pupil. Yes once `stop` says true.
-pub(in crate::plan) fn in_plain_sight(world: &World, stop: &ShouldStop<'_>) -> bool {
+pub(crate) fn in_plain_sight(world: &World, stop: &ShouldStop<'_>) -> bool {
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let ledger = &mut Ledger::new(world.solids.len());
     let eye = world.eye.position();
@@ -65,7 +65,7 @@ pub(in crate::plan) fn in_plain_sight(world: &World, stop: &ShouldStop<'_>) -> b
 
 /// Whether light tracing may find what the plan gives to it: light that scatterers send to the eye, a lamp in plain sight,
 /// or one over specular faces, of which rays from the eye meet one that the lamps' light goes on from.
-pub(in crate::plan) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> bool {
+pub(crate) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> bool {
     let scattered = plan.rows.iter().any(|row| match row.verdict {
         Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => {
             by == Estimator::Forward && row.class != Class::Vision

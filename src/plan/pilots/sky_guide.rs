@@ -3,18 +3,18 @@
 
 use super::SEED;
 use super::tuning::sky_guide::{AIMED, LOOK, MOST_WIDE, NARROW, TILES, WIDE, WORTH};
-use crate::base::path::Class;
-use crate::estimate::backward::{Backward, Daylight};
-use crate::estimate::ownership::Ownership;
-use crate::estimate::vision::Hints;
-use crate::film::guide::{Entry, Portals};
-use crate::film::plan::{Estimator, Plan};
-use crate::plan::Planner;
-use crate::world::mode::Mono;
+use crate::Planner;
+use eyebox_base::path::Class;
+use eyebox_estimate::backward::{Backward, Daylight};
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::vision::Hints;
+use eyebox_film::guide::{Entry, Portals};
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_world::mode::Mono;
 
 /// What scatterers need to know to find the sky. None if the plan leaves
 /// no light of the sky that scatterers send to paths from the eye, or the sky is open.
-pub(in crate::plan) fn learn(making: &Planner<'_>, plan: &Plan) -> Option<Portals> {
+pub(crate) fn learn(making: &Planner<'_>, plan: &Plan) -> Option<Portals> {
     let (world, facts) = (making.world, making.checked.facts());
     let sky = world.sky.as_ref().filter(|sky| sky.integral() > 0.0)?;
     let scattered = |class: &Class| match class {

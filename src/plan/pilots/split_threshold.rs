@@ -3,18 +3,18 @@
 //! where chance chooses one way on, one path in a hundred brings all of that.
 
 use super::SEED;
-pub(in crate::plan) use super::tuning::split_threshold::MOST;
+pub(crate) use super::tuning::split_threshold::MOST;
 use super::tuning::split_threshold::{FAINTEST, LITTLE, PASSES, PASSES_OF_SCALE, PLACES, WORTH};
-use crate::estimate::backward::Backward;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::vision::Hints;
-use crate::film::plan::{Estimator, Plan};
-use crate::plan::Planner;
-use crate::world::mode::Mono;
+use crate::Planner;
+use eyebox_estimate::backward::Backward;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::vision::Hints;
+use eyebox_film::plan::{Estimator, Plan};
+use eyebox_world::mode::Mono;
 
 /// What a pilot found.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::plan) struct Branches {
+pub(crate) struct Branches {
     /// [`Plan::faintest_branch`].
     pub faintest: f64,
     /// How many times less that makes variance times work.
@@ -25,7 +25,7 @@ pub(in crate::plan) struct Branches {
 
 impl Branches {
     /// What a reader of the plan should know.
-    pub(in crate::plan) fn note(&self) -> Option<String> {
+    pub(crate) fn note(&self) -> Option<String> {
         (self.faintest < 1.0).then(|| {
             format!(
                 "backward follows branches with 1/{:.0} of a path's light: a pilot found variance × work {:.3} times less",
@@ -37,7 +37,7 @@ impl Branches {
 }
 
 /// Of what plans differ in, only the paths that backward computes matter, and through which windows it sees the sky.
-pub(in crate::plan) fn learn(making: &Planner<'_>, plan: &Plan) -> Branches {
+pub(crate) fn learn(making: &Planner<'_>, plan: &Plan) -> Branches {
     let trial = |faintest: f64, passes: [u64; 2]| {
         let route = Ownership::new(plan, making.groups(), Estimator::Backward);
         let hints = Hints::of_sky(plan.sky_guide.as_ref());

@@ -2,19 +2,19 @@
 
 use super::photons::pixel_m;
 use super::{LAST, Look, Looks, SEED, forward_paths};
-use crate::base::ids::GroupId;
-use crate::check::check;
-use crate::estimate::ShouldStop;
-use crate::estimate::manifold::receiver::Receivers;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::photon::PhotonMapper;
-use crate::estimate::photon::visible_receivers::VisibleReceivers;
-use crate::film::guide::{Even, Guide, Point, Sample};
-use crate::film::plan::Estimator;
-use crate::import::{ImportOptions, import};
-use crate::plan::{Choice, plan};
-use crate::world::World;
-use crate::world::mode::{Mode, Mono};
+use crate::{Choice, plan};
+use eyebox_base::ids::GroupId;
+use eyebox_check::check;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::manifold::receiver::Receivers;
+use eyebox_estimate::ownership::Ownership;
+use eyebox_estimate::photon::PhotonMapper;
+use eyebox_estimate::photon::visible_receivers::VisibleReceivers;
+use eyebox_film::guide::{Even, Guide, Point, Sample};
+use eyebox_film::plan::Estimator;
+use eyebox_import::{ImportOptions, import};
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ use std::sync::Arc;
 #[test]
 fn photons_that_part_start_where_light_is_left() {
     const PATHS: u64 = 1 << 12;
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-diffuse/hud.optics.toml");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples/hud-diffuse/hud.optics.toml");
     let scene = import(&path, &ImportOptions::default()).unwrap().scene;
     let (checked, world) = (check(&scene).unwrap(), &World::freeze(&scene).unwrap());
     let (plan, groups) = (plan(&checked, world, Choice::Auto), scene.groups.len());

@@ -7,7 +7,7 @@ mod vergence;
 
 use super::tuning::charts::MOST_DRAWN;
 use super::{Position, Scan};
-use crate::base::error::{Error, Result, Where};
+use eyebox_base::error::{Error, Result, Where};
 
 /// Colours that people with any colour vision tell apart (Okabe and Ito, "Color universal design", 2008).
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#888888"];

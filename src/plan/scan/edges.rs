@@ -6,14 +6,14 @@ use super::places::Places;
 use super::tuning::edges::{FIRST, FIRST_LIT, GROWTH, GROWTH_LIT, HALVINGS, HALVINGS_LIT, REACH, SIGMAS};
 use super::tuning::scan::DEFAULT_PUPIL_M;
 use super::{Position, blur, lines};
-use crate::base::error::Result;
-use crate::estimate::ShouldStop;
-use crate::estimate::virtual_image::aim::{Sight, aim};
-use crate::estimate::virtual_image::subject::{Point, Subject};
-use crate::scene::Scene;
-use crate::world::World;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
+use eyebox_base::error::Result;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::virtual_image::aim::{Sight, aim};
+use eyebox_estimate::virtual_image::subject::{Point, Subject};
+use eyebox_scene::Scene;
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
 use glam::DVec3;
 
 /// What falls off towards the edge.

@@ -1,13 +1,13 @@
 //! The picture's second images from one position, named by the parts that make them.
 
 use super::tuning::ghosts::{LEAST, MOST};
-use crate::estimate::virtual_image::ghosts::{self, GhostPoint, find, shows_the_same};
-use crate::estimate::virtual_image::subject::Subject;
-use crate::plan::paths::Visits;
-use crate::scene::{Eye, Scene};
-use crate::world::World;
-use crate::world::mode::{Mode, Mono, MonoStokes};
-use crate::world::optics::Optics;
+use crate::paths::Visits;
+use eyebox_estimate::virtual_image::ghosts::{self, GhostPoint, find, shows_the_same};
+use eyebox_estimate::virtual_image::subject::Subject;
+use eyebox_scene::{Eye, Scene};
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono, MonoStokes};
+use eyebox_world::optics::Optics;
 use glam::DAffine3;
 
 /// A second image of the picture, seen from one position.

@@ -2,22 +2,22 @@
 //! a screen that scatters there is no ray whose luminance would be that of the whole pupil.
 
 use super::places::{Places, looking_at};
-use crate::base::colour::ColourSpace;
-use crate::base::error::Result;
-use crate::check::check;
-use crate::estimate::ShouldStop;
-use crate::estimate::picture::{add_meta, picture};
-use crate::estimate::run::{Films, Limits, Observer, Status, run};
-use crate::film::error_detail::ErrorDetail;
-use crate::film::frame::Frame;
-use crate::output::average::{Image, Uncertain, mean, pixels_are_independent};
-use crate::output::contrasts::Contrasts;
-use crate::output::leak::{modulated, patch_pixels};
-use crate::output::light_shares::{Rendering, luminance_of};
-use crate::output::luminance::Luminance;
-use crate::plan::{Asked, follows_rays, plan_unless};
-use crate::scene::Scene;
-use crate::world::World;
+use crate::{Asked, follows_rays, plan_unless};
+use eyebox_base::colour::ColourSpace;
+use eyebox_base::error::Result;
+use eyebox_check::check;
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::picture::{add_meta, picture};
+use eyebox_estimate::run::{Films, Limits, Observer, Status, run};
+use eyebox_film::error_detail::ErrorDetail;
+use eyebox_film::frame::Frame;
+use eyebox_output::average::{Image, Uncertain, mean, pixels_are_independent};
+use eyebox_output::contrasts::Contrasts;
+use eyebox_output::leak::{modulated, patch_pixels};
+use eyebox_output::light_shares::{Rendering, luminance_of};
+use eyebox_output::luminance::Luminance;
+use eyebox_scene::Scene;
+use eyebox_world::World;
 use glam::DVec2;
 
 /// How luminances are found.
@@ -126,11 +126,7 @@ pub fn white(
 }
 
 /// The frame of a short rendering and its world. None if `stop` said true.
-pub(in crate::plan) fn rendered(
-    scene: &Scene,
-    light: &LightAsked,
-    stop: &ShouldStop<'_>,
-) -> Result<Option<(Frame, World)>> {
+pub(crate) fn rendered(scene: &Scene, light: &LightAsked, stop: &ShouldStop<'_>) -> Result<Option<(Frame, World)>> {
     let (checked, world) = (check(scene)?, World::freeze(scene)?);
     follows_rays(&checked, &world, light.asked)?;
     let Some(mut plan) = plan_unless(&checked, &world, light.asked, stop) else { return Ok(None) };

@@ -2,7 +2,7 @@
 //! sources of those that have names.
 
 use super::{Position, Scan};
-use crate::estimate::virtual_image::image::disparity;
+use eyebox_estimate::virtual_image::image::disparity;
 use glam::DVec3;
 
 /// What is limited.

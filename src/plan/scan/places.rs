@@ -2,8 +2,8 @@
 //! rim, or over a lens that hides a part, would take the dark beside it for a dimmer picture.
 
 use super::Line;
-use crate::estimate::virtual_image::subject::on_grid;
-use crate::scene::Eye;
+use eyebox_estimate::virtual_image::subject::on_grid;
+use eyebox_scene::Eye;
 use glam::DVec2;
 
 /// The picture's grid as the eye has it on its film, in tangents to the right and up.
@@ -145,7 +145,7 @@ mod tests {
             up: glam::DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
-            limits: crate::scene::BinocularLimits::default(),
+            limits: eyebox_scene::BinocularLimits::default(),
             focus_distance_m: 1.0,
             fov_deg: 12.0,
             resolution: [40, 20],

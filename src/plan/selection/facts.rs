@@ -1,15 +1,15 @@
 //! What the facts of a scene say of each pair of light group and path class: who owns it, and why.
 
-pub(in crate::plan) use super::tuning::facts::OPEN;
-use crate::base::ids::GroupId;
-use crate::base::path::Class;
-use crate::check::Checked;
-use crate::film::plan::{Estimator, Row, Verdict};
-use crate::plan::Choice;
-use crate::world::World;
+pub(crate) use super::tuning::facts::OPEN;
+use crate::Choice;
+use eyebox_base::ids::GroupId;
+use eyebox_base::path::Class;
+use eyebox_check::Checked;
+use eyebox_film::plan::{Estimator, Row, Verdict};
+use eyebox_world::World;
 
 /// What facts say of every pair of light group and class.
-pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
+pub(crate) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
     let scene = checked.scene();
     let row = |group: GroupId, class: Class| {
         if has_rays(world, group) {
@@ -28,7 +28,7 @@ pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) ->
 }
 
 /// Whether a lamp of a group is the rays of a file.
-pub(in crate::plan) fn has_rays(world: &World, group: GroupId) -> bool {
+pub(crate) fn has_rays(world: &World, group: GroupId) -> bool {
     world.lights.all().iter().any(|light| light.group() == group && light.rays().is_some())
 }
 
@@ -59,7 +59,7 @@ fn of_rays(checked: &Checked, choice: Choice, class: Class) -> Verdict {
 const UNMET: &str = "no path from the eye meets the rays of a file";
 
 /// Light groups of which the picture would be black for want of an estimator that follows the rays of their files.
-pub(in crate::plan) fn unfollowed(world: &World, rows: &[Row]) -> Vec<GroupId> {
+pub(crate) fn unfollowed(world: &World, rows: &[Row]) -> Vec<GroupId> {
     let traced = |group: GroupId| {
         let of_group = rows.iter().filter(|row| row.group == group);
         of_group.clone().any(|row| !matches!(row.verdict, Verdict::Skip { .. }))
@@ -106,11 +106,11 @@ fn without_area(world: &World, group: GroupId, class: Class, verdict: Verdict) -
     }
 }
 
-pub(in crate::plan) fn own(owner: Estimator, because: impl Into<String>) -> Verdict {
+pub(crate) fn own(owner: Estimator, because: impl Into<String>) -> Verdict {
     Verdict::Own { owner, because: because.into() }
 }
 
-pub(in crate::plan) fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
+pub(crate) fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
     Verdict::Connect { rest, because: because.into() }
 }
 
@@ -118,17 +118,17 @@ fn emitted(because: impl Into<String>) -> Verdict {
     Verdict::Emitted { because: because.into() }
 }
 
-pub(in crate::plan) fn skip(because: impl Into<String>) -> Verdict {
+pub(crate) fn skip(because: impl Into<String>) -> Verdict {
     Verdict::Skip { because: because.into() }
 }
 
 /// Whether connection has what it can.
-pub(in crate::plan) fn is_connected(row: &Row) -> bool {
+pub(crate) fn is_connected(row: &Row) -> bool {
     matches!(row.verdict, Verdict::Connect { .. })
 }
 
 /// A verdict without its reason: owner, and whether connection has what it can.
-pub(in crate::plan) fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
+pub(crate) fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
     match verdict {
         Verdict::Own { owner, .. } => Some((*owner, false)),
         Verdict::Connect { rest, .. } => Some((*rest, true)),
@@ -138,11 +138,11 @@ pub(in crate::plan) fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
 }
 
 /// Etendue of lamps of this area, m², over the eye's.
-pub(in crate::plan) fn lamps_over_eye(world: &World, area_m2: f64) -> f64 {
+pub(crate) fn lamps_over_eye(world: &World, area_m2: f64) -> f64 {
     std::f64::consts::PI * area_m2 / world.eye.etendue_m2_sr()
 }
 
-pub(in crate::plan) fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: bool) -> Verdict {
+pub(crate) fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: bool) -> Verdict {
     let facts = checked.facts();
     if class != Class::Vision && !facts.scatters {
         return skip("no face scatters");

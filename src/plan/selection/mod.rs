@@ -6,10 +6,10 @@ mod pilot_run;
 mod tuning;
 mod verdict;
 
-use crate::base::path::Class;
-use crate::film::plan::{Estimator, Plan, Row, Verdict};
-use crate::plan::Planner;
-use crate::plan::pilots::pupil_guide;
+use crate::Planner;
+use crate::pilots::pupil_guide;
+use eyebox_base::path::Class;
+use eyebox_film::plan::{Estimator, Plan, Row, Verdict};
 use facts::{OPEN, connect, kind, lamps_over_eye, own};
 use pilot_run::{Trials, Tried};
 use std::collections::BTreeSet;
@@ -162,7 +162,7 @@ impl Open {
         };
         let all: Vec<[bool; 4]> = (0..scene.groups.len()).map(of).collect();
         // What a pilot has given up is not asked again.
-        let said = crate::plan::selection::facts::rows(making.checked, making.world, making.asked.choice);
+        let said = crate::selection::facts::rows(making.checked, making.world, making.asked.choice);
         let given_up = |group: usize| {
             let of =
                 |rows: &[Row]| rows.get(group * Class::ALL.len() + Class::Vision as usize).map(|r| kind(&r.verdict));

@@ -3,13 +3,13 @@
 use super::Handicap;
 use super::tuning::pilot_run::{CLEAR, MARGINS, MOST_EVEN, MOST_WORK, PASSES, RUN, SIDES, SURE, TELL_EVEN, WORK};
 use super::verdict::{Compared, FLOOR, judge, smooth};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::run::{Films, begin_trial};
-use crate::film::accumulate::Film;
-use crate::film::layer::Layer;
-use crate::film::plan::{Estimator, Plan};
-use crate::plan::pilots::pilot_resolution::PilotResolution;
-use crate::plan::{Planner, pilots};
+use crate::pilots::pilot_resolution::PilotResolution;
+use crate::{Planner, pilots};
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::run::{Films, begin_trial};
+use eyebox_film::accumulate::Film;
+use eyebox_film::layer::Layer;
+use eyebox_film::plan::{Estimator, Plan};
 
 /// What a plan's passes brought in both pictures; the fine one is not always asked.
 pub(super) struct Tried {

@@ -118,7 +118,7 @@ pub(super) fn smooth(values: &[f64], width: usize) -> Vec<f64> {
 mod tests {
     use super::super::pilot_run::Part;
     use super::*;
-    use crate::film::plan::Estimator;
+    use eyebox_film::plan::Estimator;
 
     const MARGIN: f64 = 1.25;
 

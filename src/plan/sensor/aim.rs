@@ -2,15 +2,15 @@
 
 use super::Setting;
 use super::tuning::aim::{ENOUGH, MOST_WIDE, NARROW, SEEDED, SEEDS, TRIAL, WIDE};
-use crate::base::ids::GroupId;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::ShouldStop;
-use crate::estimate::sensor::{Backward, Caught, Forward, paths_of_pass};
-use crate::film::guide::{Even, Guide, Point, Sample};
-use crate::plan::pilots::{Look, Narrow, SEED};
-use crate::world::World;
-use crate::world::mode::Mono;
-use crate::world::sensor::SensorFace;
+use crate::pilots::{Look, Narrow, SEED};
+use eyebox_base::ids::GroupId;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::sensor::{Backward, Caught, Forward, paths_of_pass};
+use eyebox_film::guide::{Even, Guide, Point, Sample};
+use eyebox_world::World;
+use eyebox_world::mode::Mono;
+use eyebox_world::sensor::SensorFace;
 
 /// How a sensor's light is traced.
 pub(super) struct Aim {

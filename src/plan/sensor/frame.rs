@@ -1,8 +1,8 @@
 //! A sensor's map as a picture of data layers.
 
 use super::SensorMap;
-use crate::film::exr::COLOR_INTEROP_ID;
-use crate::film::frame::{Frame, Meta};
+use eyebox_film::exr::COLOR_INTEROP_ID;
+use eyebox_film::frame::{Frame, Meta};
 
 /// The map as a frame: `illuminance_SIDE.Y` (lx), `illuminance_SIDE_stderr.Y`, `irradiance_SIDE.Y` (W/m², where spectra are
 /// told) of both sides, `coverage.Y`, and as the default image the front's illuminance. Metadata say where the map lies.

@@ -2,11 +2,11 @@
 
 use super::Setting;
 use super::tuning::map::COVERED;
-use crate::base::error::Result;
-use crate::base::stats::Moments;
-use crate::base::{Error, Where};
-use crate::estimate::sensor::Caught;
-use crate::world::sensor::{SensorFace, Side};
+use eyebox_base::error::Result;
+use eyebox_base::stats::Moments;
+use eyebox_base::{Error, Where};
+use eyebox_estimate::sensor::Caught;
+use eyebox_world::sensor::{SensorFace, Side};
 use glam::DVec3;
 
 /// A value with its standard error.
@@ -196,7 +196,7 @@ impl Sums {
         let area = sensor.area_m2();
         let watts = |sum: &Moments| setting.tells_watts.then(|| level(sum, area));
         let (shares, pixels) = (&self.shares[side as usize], &self.pixels[side as usize]);
-        let of_group = |(group, [lumens, power]): (&crate::scene::Group, &[Moments; 2])| Share {
+        let of_group = |(group, [lumens, power]): (&eyebox_scene::Group, &[Moments; 2])| Share {
             group: group.name.clone(),
             mean_lx: level(lumens, area),
             mean_w_m2: watts(power),

@@ -2,11 +2,11 @@
 
 use super::parameter::{Change, Parameter};
 use super::tuning::apply::UPRIGHT;
-use crate::base::Error;
-use crate::base::Shared;
-use crate::base::error::Result;
-use crate::base::ids::{MediumId, MeshId};
-use crate::scene::{Dispersion, Mesh, Part, Scene};
+use eyebox_base::Error;
+use eyebox_base::Shared;
+use eyebox_base::error::Result;
+use eyebox_base::ids::{MediumId, MeshId};
+use eyebox_scene::{Dispersion, Mesh, Part, Scene};
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashSet;
 

@@ -1,8 +1,8 @@
 //! One value for each parameter.
 
 use super::parameter::{Law, Parameter};
-use crate::base::murmur3::murmur3_32;
-use crate::base::rng::{Rng, Stream};
+use eyebox_base::murmur3::murmur3_32;
+use eyebox_base::rng::{Rng, Stream};
 use std::f64::consts::TAU;
 
 /// The values of a draw, in the parameters' units and order.
@@ -26,7 +26,7 @@ pub fn draw(parameters: &[Parameter], seed: u64, draw: usize) -> Vec<f64> {
 mod tests {
     use super::super::parameter::Change;
     use super::*;
-    use crate::base::Where;
+    use eyebox_base::Where;
 
     fn parameter(name: &str, law: Law) -> Parameter {
         let change = Change::Decenter { axis: 0 };

@@ -1,16 +1,16 @@
 //! What is read off a design as it is made: figures of the virtual image from the scene's own eye.
 
 use super::parameter::{Change, Parameter};
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::estimate::virtual_image::aim::{aim_over, carried_along};
-use crate::estimate::virtual_image::subject::{Point, Subject};
-use crate::plan::scan::ghosts::{self, Named};
-use crate::plan::scan::{self, Position};
-use crate::scene::Scene;
-use crate::world::World;
-use crate::world::mode::{Mode, Mono, MonoStokes};
-use crate::world::optics::Optics;
+use crate::scan::ghosts::{self, Named};
+use crate::scan::{self, Position};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_estimate::virtual_image::aim::{aim_over, carried_along};
+use eyebox_estimate::virtual_image::subject::{Point, Subject};
+use eyebox_scene::Scene;
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, Mono, MonoStokes};
+use eyebox_world::optics::Optics;
 use glam::DAffine3;
 
 const LUMINANCE: &str = "luminance";

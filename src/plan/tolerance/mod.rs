@@ -13,9 +13,9 @@ mod tuning;
 pub use apply::apply;
 pub use statistics::{Share, Statistics};
 
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::Scene;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::Scene;
 use figures::{Figure, Nominal};
 use parameter::Parameter;
 use rayon::prelude::*;

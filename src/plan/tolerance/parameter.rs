@@ -1,10 +1,10 @@
 //! What may be off in a design, and by how much: the rows of a file of tolerances.
 
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::select::glob;
-use crate::scene::value::Value;
-use crate::scene::{Finish, Scene};
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_import::select::glob;
+use eyebox_scene::value::Value;
+use eyebox_scene::{Finish, Scene};
 use glam::DVec3;
 use std::collections::HashSet;
 

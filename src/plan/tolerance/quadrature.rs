@@ -68,7 +68,7 @@ pub fn shares(parameters: &[Parameter], nodes: &[Node], found: &[f64], nominal: 
 mod tests {
     use super::super::parameter::Change;
     use super::*;
-    use crate::base::Where;
+    use eyebox_base::Where;
 
     /// E x² = σ², Var x² = 2σ⁴ of a normal variable; a²/3 and 4a⁴/45 of an even one.
     #[test]

@@ -2,8 +2,8 @@
 //! range with its ends. Values are as [`gather`](super::usd::gather) writes them.
 
 use super::{Form, Kind, Noun, Range, Row, kinds, named, own_rows, row};
-use crate::base::Where;
-use crate::scene::value::{Data, Value};
+use crate::value::{Data, Value};
+use eyebox_base::Where;
 use proptest::prelude::*;
 
 pub type Values = BoxedStrategy<Value>;

@@ -1,9 +1,9 @@
 //! Values that are one of several kinds: every way of writing them, as kind and parameters.
 
 use super::{Kind, kinds};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::value::{Data, Value};
+use crate::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
 
 /// A value of an attribute with kinds, taken apart.
 #[derive(Debug, Clone)]

@@ -21,7 +21,7 @@ pub use gather::gather;
 pub use layout::{Property, properties};
 
 use super::{Noun, Row, own_rows, row};
-use crate::base::Where;
+use eyebox_base::Where;
 
 /// What stands for a number that isn't said in one of several parallel arrays, which the row doesn't allow: −1, or −∞ where it
 /// allows all numbers.

@@ -1,7 +1,7 @@
 //! The nine dispersion formulas of the refractiveindex.info database, in which most catalogues of glasses are written, too.
 //! Their definitions are in its `doc/Dispersion formulas.pdf` (public domain, CC0).
 
-use crate::base::Complex;
+use eyebox_base::Complex;
 
 /// A formula for n with its coefficients, and a table for k.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]

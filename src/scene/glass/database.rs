@@ -125,7 +125,7 @@ fn letters(name: &str) -> impl Iterator<Item = char> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::glass::Kind;
+    use crate::glass::Kind;
 
     /// Every name leads to an entry whose law is sound.
     #[test]

@@ -1,7 +1,7 @@
 //! Against the oracle (tests/data/colour/spectra_results.json, patches_*.csv) and closed forms.
 
 use super::*;
-use crate::base::colour::{BRADFORD_D65_TO_ACES, ColourSpace, XYZ_TO_AP1, xyz};
+use eyebox_base::colour::{BRADFORD_D65_TO_ACES, ColourSpace, XYZ_TO_AP1, xyz};
 
 fn near(got: f64, want: f64, tolerance: f64, what: &str) {
     assert!((got - want).abs() <= tolerance * want.abs().max(1.0), "{what}: {got} for {want}");
@@ -156,7 +156,7 @@ fn narrow_lines_keep_their_power_and_place() {
         Spectrum::Table(vec![(632.7, 0.0), (632.8, 3.0), (632.9, 0.0)]),
         Spectrum::Table(vec![(632.75, 1.0), (632.85, 1.0)]),
     ];
-    let v = |nm: f64| crate::base::colour::cmf(nm)[1];
+    let v = |nm: f64| eyebox_base::colour::cmf(nm)[1];
     for line in lines {
         let power = line.resolve().unwrap();
         near(power.lumens_per_watt(), 683.0 * v(632.8), 1e-4, "line");

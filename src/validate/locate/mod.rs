@@ -5,8 +5,8 @@ mod json; // JSON pointer → byte
 mod usda; // prim → byte
 
 use super::shown;
-use crate::base::{Where, package};
-use crate::scene::assembly::Assembly;
+use eyebox_base::{Where, package};
+use eyebox_scene::assembly::Assembly;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::ops::Range;

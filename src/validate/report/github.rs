@@ -1,8 +1,8 @@
 //! Workflow commands of GitHub Actions (`::error file=…,line=…,col=…,title=…::…`), one a finding.
 
 use super::summary;
-use crate::check::finding::Level;
-use crate::validate::Report;
+use crate::Report;
+use eyebox_check::finding::Level;
 
 pub fn render(report: &Report) -> String {
     let mut out = String::new();

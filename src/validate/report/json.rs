@@ -1,11 +1,11 @@
 //! One JSON document.
 
-use crate::base::document::document;
-use crate::validate::Report;
+use crate::Report;
+use eyebox_base::document::document;
 use serde_json::json;
 
 pub fn render(report: &Report) -> String {
-    let finding = |finding: &crate::validate::Located| {
+    let finding = |finding: &crate::Located| {
         json!({
             "code": finding.rule.code,
             "name": finding.rule.name,
@@ -16,7 +16,7 @@ pub fn render(report: &Report) -> String {
         })
     };
     let [errors, warnings, notes] = report.counts();
-    let assets: Vec<String> = report.assets.iter().map(|asset| crate::validate::shown(asset)).collect();
+    let assets: Vec<String> = report.assets.iter().map(|asset| crate::shown(asset)).collect();
     let all = json!({
         "version": 1,
         "assets": assets,

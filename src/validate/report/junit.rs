@@ -1,8 +1,8 @@
 //! JUnit XML: a suite per asset, a failed case per error or warning, a passed one per note; an asset without findings is
 //! one passed case.
 
-use crate::check::finding::Level;
-use crate::validate::{Located, Report, shown};
+use crate::{Located, Report, shown};
+use eyebox_check::finding::Level;
 
 pub fn render(report: &Report) -> String {
     let mut suites = String::new();

@@ -1,9 +1,9 @@
 //! SARIF 2.1.0 (OASIS Standard, 27 March 2020), with what GitHub's code scanning asks of it: relative addresses, a
 //! line for every finding, fingerprints, help with every rule.
 
-use crate::check::rule::Rule;
-use crate::validate::locate::Place;
-use crate::validate::{Located, Report, page, rules};
+use crate::locate::Place;
+use crate::{Located, Report, page, rules};
+use eyebox_check::rule::Rule;
 use serde_json::{Value, json};
 
 /// Where the rules' pages are to be read; whoever publishes them sets it when building. Without it no address is given:
@@ -59,9 +59,9 @@ fn descriptor(rule: &Rule) -> Value {
 /// GitHub's words.
 fn severity(rule: &Rule) -> &'static str {
     match rule.level {
-        crate::check::finding::Level::Error => "error",
-        crate::check::finding::Level::Warning => "warning",
-        crate::check::finding::Level::Note => "recommendation",
+        eyebox_check::finding::Level::Error => "error",
+        eyebox_check::finding::Level::Warning => "warning",
+        eyebox_check::finding::Level::Note => "recommendation",
     }
 }
 

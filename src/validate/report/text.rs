@@ -1,9 +1,9 @@
 //! For people: `file:line:column: error[EB0102]: …`.
 
 use super::summary;
-use crate::check::finding::Level;
-use crate::validate::Report;
+use crate::Report;
 use anstyle::AnsiColor;
+use eyebox_check::finding::Level;
 
 pub fn render(report: &Report) -> String {
     let mut out = String::new();

@@ -1,9 +1,9 @@
 //! Two solids overlap and none has priority.
 
 use super::Frozen;
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept, nothing};
-use crate::check::subject::is_solid;
+use eyebox_check::finding::{Finding, Level};
+use eyebox_check::rule::{Example, Rule, kept, nothing};
+use eyebox_check::subject::is_solid;
 use glam::DVec3;
 use std::collections::BTreeSet;
 

@@ -1,8 +1,8 @@
 //! Two polished faces coincide and none has priority.
 
 use super::Frozen;
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept, nothing};
+use eyebox_check::finding::{Finding, Level};
+use eyebox_check::rule::{Example, Rule, kept, nothing};
 use std::collections::BTreeSet;
 
 pub const RULE: Rule = Rule {

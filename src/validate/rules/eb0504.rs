@@ -1,11 +1,11 @@
 //! The eye sees no optics.
 
 use super::Frozen;
-use crate::check::finding::{Finding, Level};
-use crate::check::geometry::{corners, triangles};
-use crate::check::rule::{Example, Rule, kept, nothing};
-use crate::scene::{Face, Finish, Scene};
-use crate::world::geometry::Ray;
+use eyebox_check::finding::{Finding, Level};
+use eyebox_check::geometry::{corners, triangles};
+use eyebox_check::rule::{Example, Rule, kept, nothing};
+use eyebox_scene::{Face, Finish, Scene};
+use eyebox_world::geometry::Ray;
 use glam::DVec3;
 
 pub const RULE: Rule = Rule {

@@ -2,12 +2,12 @@
 
 use super::Frozen;
 use super::eb0504::{has_sensors, sees_optics, sees_straight};
-use crate::check::finding::{Finding, Level};
-use crate::check::rule::{Example, Rule, kept, nothing};
-use crate::estimate::run::begin;
-use crate::plan::{Choice, plan};
-use crate::scene::{Face, Scene};
-use crate::world::World;
+use eyebox_check::finding::{Finding, Level};
+use eyebox_check::rule::{Example, Rule, kept, nothing};
+use eyebox_estimate::run::begin;
+use eyebox_plan::{Choice, plan};
+use eyebox_scene::{Face, Scene};
+use eyebox_world::World;
 
 pub const RULE: Rule = Rule {
     code: "EB0505",
@@ -56,7 +56,7 @@ fn dark_groups(scene: &Scene, world: &World) -> Option<Vec<usize>> {
     let longer = scene.eye.resolution[0].max(scene.eye.resolution[1]).max(1);
     let scale = (SIDE as f64 / longer as f64).min(1.0);
     small.eye.resolution = scene.eye.resolution.map(|n| ((n as f64 * scale) as usize).max(1));
-    let checked = crate::check::check(&small).ok()?;
+    let checked = eyebox_check::check(&small).ok()?;
     let world = world.seen_by(&small.eye).ok()?;
     let mut plan = plan(&checked, &world, Choice::Auto);
     plan.forward_paths = plan.forward_paths.min(PATHS);
@@ -96,7 +96,7 @@ fn shines(world: &World, group: usize) -> bool {
 }
 
 /// The first lamp of a group.
-fn place_of_group(frozen: &Frozen<'_>, group: usize) -> crate::base::Where {
+fn place_of_group(frozen: &Frozen<'_>, group: usize) -> eyebox_base::Where {
     for part in &frozen.subject.scene.parts {
         for (number, face) in part.faces.iter().enumerate() {
             if face.emitter.as_ref().is_some_and(|emitter| emitter.group.index() == group) {
@@ -104,5 +104,5 @@ fn place_of_group(frozen: &Frozen<'_>, group: usize) -> crate::base::Where {
             }
         }
     }
-    crate::base::Where::file(&frozen.subject.assembly.file)
+    eyebox_base::Where::file(&frozen.subject.assembly.file)
 }

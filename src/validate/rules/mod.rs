@@ -6,13 +6,13 @@ mod eb0105;
 mod eb0504;
 mod eb0505;
 
-use crate::check::Checked;
-use crate::check::finding::Finding;
-use crate::check::rule::Rule;
-use crate::check::rules::RULES;
-use crate::check::subject::Subject;
-use crate::scene::{Part, Scene};
-use crate::world::World;
+use eyebox_check::Checked;
+use eyebox_check::finding::Finding;
+use eyebox_check::rule::Rule;
+use eyebox_check::rules::RULES;
+use eyebox_check::subject::Subject;
+use eyebox_scene::{Part, Scene};
+use eyebox_world::World;
 
 /// A scene that can be traced.
 #[derive(Clone, Copy)]
@@ -61,8 +61,8 @@ pub fn words() -> Vec<&'static str> {
 }
 
 /// Where the eye is said: in the sidecar, else in the asset's own attributes, else the asset.
-fn place_of_eye(subject: &Subject<'_>) -> crate::base::Where {
+fn place_of_eye(subject: &Subject<'_>) -> eyebox_base::Where {
     let said = subject.sheet.and_then(|sheet| sheet.get("eye"));
     let said = said.or_else(|| subject.assembly.optics.as_ref().and_then(|optics| optics.get("eye")));
-    said.map_or_else(|| crate::base::Where::file(&subject.assembly.file), |eye| eye.at.clone())
+    said.map_or_else(|| eyebox_base::Where::file(&subject.assembly.file), |eye| eye.at.clone())
 }

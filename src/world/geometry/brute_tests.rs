@@ -2,8 +2,8 @@
 
 use super::scenes::*;
 use super::{Geometry, Ray, Site};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp;
 use glam::{DAffine3, DVec3};
 
 pub(super) fn check(geometry: &Geometry, ray: &Ray, t_max: f64) -> Option<super::Hit> {

@@ -3,7 +3,7 @@
 //! With w = p − vertex and z = w·axis, each of these [`Shape`]s is a part of c (w·w + k z²) − 2 z = 0 (c = 1/radius):
 //! the sag formula of `design/formulas.md` section 4 solved for the square root. A plane is c = 0, a sphere k = 0.
 
-use crate::scene::Shape;
+use eyebox_scene::Shape;
 use glam::DVec3;
 
 /// A quadric of revolution about `axis` through `vertex`, in the units of the shape it was made from.
@@ -136,8 +136,8 @@ fn finite(t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
-    use crate::base::warp;
+    use eyebox_base::rng::{Rng, Stream};
+    use eyebox_base::warp;
 
     fn conic(radius: f64, conic: f64) -> Quadric {
         let shape = Shape::Conic { vertex: DVec3::new(1.0, -2.0, 3.0), axis: DVec3::Z, radius, conic };

@@ -151,7 +151,7 @@ impl Grid {
     }
 
     /// [`Grid::covers`] without cells.
-    #[cfg(test)]
+    #[cfg(any(test, feature = "testing"))]
     pub fn covers_by_all(&self, shear: &Shear, p: DVec3) -> bool {
         let q = shear.flatten(p - self.base);
         (0..self.flat.len() as u32).any(|place| self.contains(place, q))
@@ -207,7 +207,7 @@ fn overlaps(t: &[DVec2; 3], low: DVec2, high: DVec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::rng::{Rng, Stream};
 
     #[test]
     fn a_cell_knows_every_triangle_over_it() {

@@ -2,8 +2,8 @@
 
 use super::scenes::*;
 use super::{Geometry, Ray, Site};
-use crate::base::rng::{Rng, Stream};
-use crate::scene::{Finish, Mesh, Shape};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_scene::{Finish, Mesh, Shape};
 use glam::{DAffine3, DVec3};
 
 fn build(mesh: Mesh, shapes: &[Shape], to_world: DAffine3) -> Result<Geometry, String> {
@@ -137,7 +137,7 @@ fn degenerate_piles() {
             }
             builder.mesh.triangles.push([base, base + 1, base + 2]);
         }
-        builder.mesh.faces.push(crate::scene::FaceRange { first: 0, count: 3000 });
+        builder.mesh.faces.push(eyebox_scene::FaceRange { first: 0, count: 3000 });
         let geometry = build(builder.mesh, &[Shape::Mesh], DAffine3::IDENTITY).expect("piles can be traced");
         shoot(&geometry, &mut rng);
         let down = Ray { origin: DVec3::new(1e-3, 1e-3, 1.0) - geometry.origin(), dir: DVec3::NEG_Z, from: None };

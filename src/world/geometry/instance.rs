@@ -6,9 +6,9 @@ use super::local_ray::{LocalRay, Touch};
 use super::prepare::Traced;
 use super::solid::Solid;
 use super::{Hit, Ray, Site};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::{Part, Shape};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{Part, Shape};
 use glam::{DAffine3, DMat3, DVec3};
 
 #[derive(Debug, Clone)]
@@ -142,7 +142,7 @@ impl Instance {
         Some((touch, touch.t / scale))
     }
 
-    #[cfg(test)]
+    #[cfg(any(test, feature = "testing"))]
     pub fn nearest_of_all(&self, solid: &Solid, ray: &Ray, reach: f64) -> Option<(Touch, f64)> {
         let (line, scale) = self.line(solid, ray, None, reach)?;
         let touch = solid.nearest_of_all(&line, reach * scale)?;

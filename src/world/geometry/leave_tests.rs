@@ -2,13 +2,13 @@
 
 use super::scenes::*;
 use super::{Geometry, Ray};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp;
-use crate::scene::Shape;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp;
+use eyebox_scene::Shape;
 use glam::{DAffine3, DVec3};
 
 /// A point on an edge or at a vertex of a mesh in mm, for every triangle, and a ray to it from outside.
-fn at_edges(geometry: &Geometry, mesh: &crate::scene::Mesh, rng: &mut Rng) -> Vec<Ray> {
+fn at_edges(geometry: &Geometry, mesh: &eyebox_scene::Mesh, rng: &mut Rng) -> Vec<Ray> {
     let to_world = geometry.part_to_world(0);
     let corner = |v: u32| to_world.transform_point3(super::patch::vertex(mesh.positions[v as usize]));
     let aim = |t: &[u32; 3], rng: &mut Rng| {
@@ -55,7 +55,7 @@ fn a_seam_between_two_faces_of_one_sphere_is_not_there() {
     let mut mesh = sphere(3.0, 10, 16, centre);
     let half = mesh.faces[0].count / 2;
     mesh.faces =
-        vec![crate::scene::FaceRange { first: 0, count: half }, crate::scene::FaceRange { first: half, count: half }];
+        vec![eyebox_scene::FaceRange { first: 0, count: half }, eyebox_scene::FaceRange { first: half, count: half }];
     let geometry = alone(mesh.clone(), &[sphere_shape(3.0, centre), sphere_shape(3.0, centre)]);
     let mut rng = Rng::new(32, Stream::Check, 0, 0);
     let (mut faces, mut seam) = ([0; 2], 0);

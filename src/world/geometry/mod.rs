@@ -32,16 +32,16 @@ mod hostile_tests;
 mod leave_tests;
 #[cfg(test)]
 mod plain_tests;
-#[cfg(test)]
-pub(crate) mod scenes;
+#[cfg(any(test, feature = "testing"))]
+pub mod scenes;
 #[cfg(test)]
 mod tests;
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::{Mesh, Part, Scene};
 use bound::Bounds;
 use bvh::top::Top;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{Mesh, Part, Scene};
 use glam::{DAffine3, DVec3};
 use instance::Instance;
 use solid::Solid;

@@ -3,9 +3,9 @@
 
 use super::scenes::*;
 use super::{Geometry, Hit, Ray, Site};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp;
-use crate::scene::{FaceRange, Mesh, Shape};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp;
+use eyebox_scene::{FaceRange, Mesh, Shape};
 use glam::{DAffine3, DVec3};
 
 fn pick(rng: &mut Rng, count: usize) -> usize {

@@ -12,9 +12,9 @@ use super::patch::{Projection, vertex};
 use super::solid::Solid;
 use super::surface::{Sheet, Surface};
 use super::triangle::{Triangle, winding};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::{FaceRange, Finish, Mesh, Part, Shape};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
+use eyebox_scene::{FaceRange, Finish, Mesh, Part, Shape};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -23,7 +23,7 @@ pub type Traced = Option<Shape>;
 
 /// How each face of a part is traced. Lamps are sampled on their triangles, so an emitting face is its triangles.
 pub fn traced(part: &Part) -> Vec<Traced> {
-    let shape = |face: &crate::scene::Face| match (face.finish, &face.emitter, face.slide) {
+    let shape = |face: &eyebox_scene::Face| match (face.finish, &face.emitter, face.slide) {
         (_, Some(_), _) => Some(Shape::Mesh),
         (Finish::None, None, None) => None,
         (

@@ -2,10 +2,10 @@
 
 use super::local_ray::Touch;
 use super::{Geometry, Hit, Ray, Site};
-use crate::base::ids::{GroupId, MediumId, MeshId};
-use crate::base::rng::Rng;
-use crate::base::warp;
-use crate::scene::{
+use eyebox_base::ids::{GroupId, MediumId, MeshId};
+use eyebox_base::rng::Rng;
+use eyebox_base::warp;
+use eyebox_scene::{
     Absorption, Angular, Dispersion, Emitter, Eye, Face, FaceRange, Finish, Medium, Mesh, Part, Photometry, Scene,
     Shape, Wavelengths,
 };
@@ -234,7 +234,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
-            limits: crate::scene::BinocularLimits::default(),
+            limits: eyebox_scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 10.0,
             resolution: [4, 4],

@@ -194,7 +194,7 @@ impl Solid {
     }
 
     /// [`Solid::nearest`] without the tree: every triangle is tried.
-    #[cfg(test)]
+    #[cfg(any(test, feature = "testing"))]
     pub fn nearest_of_all(&self, line: &LocalRay, reach: f64) -> Option<Touch> {
         let mut probe = Probe::new(line, self.start(line).unwrap_or(0.0));
         let has_grid = |face: u32| self.grids.iter().any(|(other, _)| *other == face);

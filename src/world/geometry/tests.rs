@@ -3,9 +3,9 @@
 use super::exact::Quadric;
 use super::scenes::*;
 use super::{Geometry, Ray};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp;
-use crate::scene::{Finish, Shape};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp;
+use eyebox_scene::{Finish, Shape};
 use glam::{DAffine3, DVec3};
 
 fn rng(sample: u64) -> Rng {

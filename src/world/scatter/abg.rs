@@ -1,8 +1,8 @@
 //! ABg scatter about a specular reflection: [`AbgLaw`] with its sampling.
 
 use super::Sampled;
-use crate::scene::AbgLaw;
-use crate::world::cdf::Cdf;
+use crate::cdf::Cdf;
+use eyebox_scene::AbgLaw;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 

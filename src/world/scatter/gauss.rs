@@ -3,7 +3,7 @@
 //! energy.
 
 use super::{Sampled, Shares, mirrored};
-use crate::world::gauss::GaussLobe;
+use crate::gauss::GaussLobe;
 use glam::DVec3;
 
 fn axis(d_in: DVec3, d_out: DVec3) -> DVec3 {

@@ -1,7 +1,7 @@
 //! The same luminance in every direction of each side.
 
 use super::{Sampled, Shares};
-use crate::base::warp;
+use eyebox_base::warp;
 use glam::DVec3;
 use std::f64::consts::PI;
 

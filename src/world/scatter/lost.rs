@@ -8,7 +8,7 @@
 
 use super::Sides;
 use super::rough::Facets;
-use crate::world::cdf::Cdf;
+use crate::cdf::Cdf;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};

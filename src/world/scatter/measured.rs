@@ -1,8 +1,8 @@
 //! A measured distribution, and sampling by its own cells.
 
 use super::Sampled;
-use crate::scene::ScatterTable;
-use crate::world::cdf::Cdf;
+use crate::cdf::Cdf;
+use eyebox_scene::ScatterTable;
 use glam::{DVec2, DVec3};
 
 /// The table with what its sampling needs.

@@ -23,8 +23,8 @@ pub use principled::{Look, Point, Principled};
 pub use rough::Rough;
 
 use super::gauss::GaussLobe;
-use crate::base::path::Event;
-use crate::scene::Finish;
+use eyebox_base::path::Event;
+use eyebox_scene::Finish;
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -12,8 +12,8 @@
 
 use super::lost::Lost;
 use super::{Sampled, Sides};
-use crate::base::Complex;
-use crate::world::fresnel::{fresnel, refract};
+use crate::fresnel::{fresnel, refract};
+use eyebox_base::Complex;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

@@ -1,10 +1,10 @@
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::base::stats::{Moments, sidak_z};
-use crate::base::warp::{self, Frame};
-use crate::scene::ScatterTable;
-use crate::scene::scatter_table::Measurement;
-use crate::world::fresnel::refract;
+use crate::fresnel::refract;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::stats::{Moments, sidak_z};
+use eyebox_base::warp::{self, Frame};
+use eyebox_scene::ScatterTable;
+use eyebox_scene::scatter_table::Measurement;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -2,7 +2,7 @@
 //! pixels are cut out of that exactly, so that no border between them is left to chance.
 
 use super::{SkyLight, along, down};
-use crate::world::slide::footprint::{Lines, SLIVER, moments, square};
+use crate::slide::footprint::{Lines, SLIVER, moments, square};
 use glam::{DVec2, DVec3};
 
 /// Where in the picture the points of the square from −½ to ½ are seen: `at` + x·by\[0\] + y·by\[1\], in columns and rows from its
@@ -101,8 +101,8 @@ impl SkyLight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::ids::GroupId;
-    use crate::scene::Sky;
+    use eyebox_base::ids::GroupId;
+    use eyebox_scene::Sky;
     use glam::{DMat3, DQuat};
     use std::sync::Arc;
 
@@ -117,7 +117,7 @@ mod tests {
     fn places_are_in_the_pixels_that_directions_see() {
         let sky = sky(40, 20);
         for k in 0..2000 {
-            let dir = crate::base::warp::sphere([(f64::from(k) + 0.5) / 2000.0, (f64::from(k) * 0.618_034).fract()]);
+            let dir = eyebox_base::warp::sphere([(f64::from(k) + 0.5) / 2000.0, (f64::from(k) * 0.618_034).fract()]);
             let place = sky.place(dir);
             assert_eq!(Some(sky.pixel_at(place)), sky.pixel(dir), "{dir}");
             // Round and round.

@@ -38,8 +38,8 @@ impl SlideMap {
 mod tests {
     use super::super::footprint::tests::{slide, turned};
     use super::*;
-    use crate::base::rng::{Rng, Stream};
-    use crate::base::warp::disk;
+    use eyebox_base::rng::{Rng, Stream};
+    use eyebox_base::warp::disk;
     use glam::DVec2;
 
     /// Nothing that a pixel sees from anywhere has another value where no edge is told, and edges far from it are not.

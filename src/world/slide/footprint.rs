@@ -3,11 +3,11 @@
 
 use super::SlideMap;
 use super::texels::Texels;
-use crate::film::accumulate::Light;
-use crate::world::World;
-use crate::world::mode::{Mode, lanes};
-use crate::world::optics::Optics;
+use crate::World;
+use crate::mode::{Mode, lanes};
+use crate::optics::Optics;
 use arrayvec::ArrayVec;
+use eyebox_film::accumulate::Light;
 use glam::{DVec2, DVec3};
 
 /// Most slides that are crossed one after the other, and most edges.
@@ -15,10 +15,10 @@ pub const MOST: usize = 4;
 pub const MOST_EDGES: usize = 12;
 
 /// A piece of no more of the square is rounding.
-pub(in crate::world) const SLIVER: f64 = 64.0 * f64::EPSILON;
+pub(crate) const SLIVER: f64 = 64.0 * f64::EPSILON;
 
 /// Corners of a convex polygon; each edge adds one at most, each of a slide's pixels that it is cut by four.
-pub(in crate::world) type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST + MOST_EDGES }>;
+pub(crate) type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST + MOST_EDGES }>;
 
 /// Where the points of the square from −½ to ½ cross a slide: `at` + x·by\[0\] + y·by\[1\], mesh units.
 #[derive(Debug, Clone, Copy)]
@@ -124,7 +124,7 @@ pub fn at<M: Mode>(
 }
 
 /// All of the square.
-pub(in crate::world) fn square() -> Polygon {
+pub(crate) fn square() -> Polygon {
     [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].into_iter().map(DVec2::from_array).collect()
 }
 
@@ -236,13 +236,13 @@ impl Lines {
         self.first + self.by.dot(point)
     }
 
-    pub(in crate::world) fn span(&self, polygon: &Polygon) -> [f64; 2] {
+    pub(crate) fn span(&self, polygon: &Polygon) -> [f64; 2] {
         let all = polygon.iter().map(|corner| self.at(*corner));
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
     }
 
     /// The part of a polygon between two values (I. E. Sutherland and G. W. Hodgman, "Reentrant polygon clipping", CACM 17, 1974).
-    pub(in crate::world) fn cut(&self, polygon: &Polygon, low: f64, high: f64) -> Polygon {
+    pub(crate) fn cut(&self, polygon: &Polygon, low: f64, high: f64) -> Polygon {
         let above = self.keep(polygon, |at| at - low);
         self.keep(&above, |at| high - at)
     }
@@ -267,7 +267,7 @@ impl Lines {
 }
 
 /// Area of a polygon, and the integral of the place over it.
-pub(in crate::world) fn moments(polygon: &Polygon) -> (f64, DVec2) {
+pub(crate) fn moments(polygon: &Polygon) -> (f64, DVec2) {
     let (mut area, mut moment) = (0.0, DVec2::ZERO);
     let Some(mut before) = polygon.last().copied() else { return (area, moment) };
     for corner in polygon {

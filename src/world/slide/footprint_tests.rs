@@ -1,7 +1,7 @@
 //! Footprints on slides, against closed forms and rasters.
 
 use super::*;
-use crate::scene::Slide;
+use eyebox_scene::Slide;
 use std::sync::Arc;
 
 /// `width` pixels side by side along +x and rows of them along +y downwards, each one unit wide, about the origin.

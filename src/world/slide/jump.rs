@@ -3,7 +3,7 @@
 
 use super::SlideMap;
 use super::footprint::{Edge, Footprint, MOST};
-use crate::world::World;
+use crate::World;
 use arrayvec::ArrayVec;
 use glam::DVec2;
 
@@ -108,10 +108,10 @@ mod tests {
     /// ∫ f over the square, by places drawn near a line, is what it is.
     #[test]
     fn drawn_places_leave_the_mean_as_it_is() {
-        let mut rng = crate::base::rng::Rng::new(7, crate::base::rng::Stream::Connection, 0, 0);
+        let mut rng = eyebox_base::rng::Rng::new(7, eyebox_base::rng::Stream::Connection, 0, 0);
         let weigh = |place: DVec2| 1.0 + 1.0 / ((place.x - 0.1).abs() + 1e-3);
         let f = |place: DVec2| place.x * place.x + place.y + f64::from((place.x - 0.1).abs() < 2e-3) * 50.0;
-        let (mut near, mut all) = (0u32, crate::base::stats::Moments::default());
+        let (mut near, mut all) = (0u32, eyebox_base::stats::Moments::default());
         for _ in 0..100_000 {
             let first = DVec2::new(rng.uniform(), rng.uniform()) - 0.5;
             let (place, stands) = draw::<32>(first, rng.uniform(), weigh);

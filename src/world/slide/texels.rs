@@ -2,10 +2,10 @@
 //! their middles, into the cells between these, and each is integrated exactly.
 
 use super::footprint::{Brightness, Lines, Polygon};
-use crate::world::World;
-use crate::world::glow::Glow;
-use crate::world::mode::{Mode, lanes};
-use crate::world::optics::Optics;
+use crate::World;
+use crate::glow::Glow;
+use crate::mode::{Mode, lanes};
+use crate::optics::Optics;
 use glam::DVec2;
 use std::iter::successors;
 

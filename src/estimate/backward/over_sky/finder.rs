@@ -2,14 +2,12 @@
 
 use super::sight::{Known, Scout, Seen, Sight};
 use super::{OverSky, Shown};
-use crate::base::path::{Event, Trail};
-use crate::estimate::backward::tuning::over_sky::{
-    BLOCK, FAINT, LEAST_PARTED, MOST_ALIKE, PASSES_LOOKED_AT, TOLERANCE,
-};
-use crate::estimate::ownership::Ownership;
-use crate::world::World;
-use crate::world::mode::{Mode, wavelengths_change};
-use crate::world::optics::Optics;
+use crate::backward::tuning::over_sky::{BLOCK, FAINT, LEAST_PARTED, MOST_ALIKE, PASSES_LOOKED_AT, TOLERANCE};
+use crate::ownership::Ownership;
+use eyebox_base::path::{Event, Trail};
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, wavelengths_change};
+use eyebox_world::optics::Optics;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -29,7 +27,7 @@ struct Square {
 
 impl<M: Mode> OverSky<M> {
     /// In all of the eye's picture, or in some pixels of it, as a pilot looks at. None where there is nothing to find.
-    pub(in crate::estimate::backward) fn find(
+    pub(in crate::backward) fn find(
         world: &World,
         route: &Ownership,
         seed: u64,

@@ -1,20 +1,20 @@
 //! The paths by which it is known what a block of pixels sees of the sky.
 
 use super::{Linear, Shown};
-use crate::base::chain::Chain;
-use crate::base::lpe::Source;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::backward::tuning::over_sky::{LEAST, MOST_STEPS, REACH, STEADY, TOLERANCE, TRIALS, UP_AND_DOWN};
-use crate::estimate::ledger::{Ledger, cost};
-use crate::estimate::ownership::Ownership;
-use crate::estimate::walk::{Meeting, Met, Travel, Walker};
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::mode::{LaneArray, Mode, lanes, wavelengths_change};
-use crate::world::optics::Optics;
-use crate::world::sky::SkyLight;
-use crate::world::surface::Surface;
+use crate::backward::tuning::over_sky::{LEAST, MOST_STEPS, REACH, STEADY, TOLERANCE, TRIALS, UP_AND_DOWN};
+use crate::ledger::{Ledger, cost};
+use crate::ownership::Ownership;
+use crate::walk::{Meeting, Met, Travel, Walker};
+use eyebox_base::chain::Chain;
+use eyebox_base::lpe::Source;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{LaneArray, Mode, lanes, wavelengths_change};
+use eyebox_world::optics::Optics;
+use eyebox_world::sky::SkyLight;
+use eyebox_world::surface::Surface;
 use glam::{DMat2, DVec2};
 use std::collections::VecDeque;
 

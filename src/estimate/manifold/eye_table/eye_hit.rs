@@ -2,9 +2,9 @@
 
 pub(super) use super::tuning::eye_hit::OVER_PUPIL;
 use super::tuning::eye_hit::QUADS;
-use crate::estimate::manifold::solver::bicubic::Rows;
-use crate::estimate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
-use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::manifold::solver::bicubic::Rows;
+use crate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
+use eyebox_world::mode::{LaneArray, Mode, lanes};
 use glam::DVec3;
 use std::marker::PhantomData;
 

@@ -1,11 +1,11 @@
 //! A path from the eye over specular faces, with all its branches, to the first broad scatterers.
 
-use crate::base::warp::Frame;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::specular_event::Faint;
-use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Vertex, Walker};
-use crate::world::mode::Mode;
-use crate::world::scatter::Scatter;
+use crate::ledger::Ledger;
+use crate::specular_event::Faint;
+use crate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Vertex, Walker};
+use eyebox_base::warp::Frame;
+use eyebox_world::mode::Mode;
+use eyebox_world::scatter::Scatter;
 
 /// Follows a path and its branches to the first broad scatterers.
 pub fn to_scatterer<'w, M: Mode>(

@@ -10,23 +10,23 @@ pub mod first_scatterer;
 mod make;
 mod tuning;
 
-use crate::base::chain::Chain;
-use crate::base::lpe::LpeState;
-use crate::base::path::Trail;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::film_grid::FilmGrid;
-use crate::estimate::manifold::pixel_span::Span;
-use crate::estimate::manifold::receiver::Receivers;
-use crate::estimate::manifold::solver::bicubic::{Rows, Spot};
-use crate::estimate::walk::{Travel, Vertex, Walker};
-use crate::world::World;
-use crate::world::geometry::interface_derivatives::site_of;
-use crate::world::geometry::{Hit, Ray};
-use crate::world::interior::Interior;
-use crate::world::mode::{Mode, lanes, wavelengths_change};
-use crate::world::optics::Optics;
+use crate::ledger::Ledger;
+use crate::manifold::film_grid::FilmGrid;
+use crate::manifold::pixel_span::Span;
+use crate::manifold::receiver::Receivers;
+use crate::manifold::solver::bicubic::{Rows, Spot};
+use crate::walk::{Travel, Vertex, Walker};
 use eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
+use eyebox_base::chain::Chain;
+use eyebox_base::lpe::LpeState;
+use eyebox_base::path::Trail;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_world::World;
+use eyebox_world::geometry::interface_derivatives::site_of;
+use eyebox_world::geometry::{Hit, Ray};
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{Mode, lanes, wavelengths_change};
+use eyebox_world::optics::Optics;
 use glam::{DVec2, DVec3};
 use std::sync::OnceLock;
 use tuning::eye_table::{FAINT, OF_DIFFERENCES, OFTEN, OUTER, SELDOM, SELDOM_OF_LITTLE};
@@ -60,7 +60,7 @@ struct Use {
     in_part: u32,
     /// No ray was found that lands on other faces that scatter.
     whole: bool,
-    /// Which of [`SIDES`](crate::estimate::manifold::solver::bicubic::SIDES) is asked.
+    /// Which of [`SIDES`](crate::manifold::solver::bicubic::SIDES) is asked.
     aside: [i8; 2],
 }
 

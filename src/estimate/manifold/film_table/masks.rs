@@ -4,12 +4,12 @@
 pub(super) use super::tuning::masks::MASKS;
 use super::tuning::masks::NEAR;
 use super::{Node, Spot};
-use crate::film::specular_chain::SpecularChain;
-use crate::world::World;
-use crate::world::mode::Mode;
-use crate::world::outline::Outline;
-use crate::world::slide::footprint::Edge;
 use arrayvec::ArrayVec;
+use eyebox_film::specular_chain::SpecularChain;
+use eyebox_world::World;
+use eyebox_world::mode::Mode;
+use eyebox_world::outline::Outline;
+use eyebox_world::slide::footprint::Edge;
 use glam::{DVec2, DVec3};
 
 /// A face whose outline ends the picture, as (part, face).

@@ -3,30 +3,30 @@
 
 use super::masks::{MASKS, MovingEdge};
 use super::{Node, SLIDES, Spot};
-use crate::base::lpe::LpeState;
-use crate::base::path::Trail;
-use crate::film::accumulate::Light;
-use crate::world::World;
-use crate::world::mode::{Mode, lanes};
-use crate::world::optics::Optics;
-use crate::world::slide::footprint::{self, Brightness, Edge, Footprint};
 use arrayvec::ArrayVec;
+use eyebox_base::lpe::LpeState;
+use eyebox_base::path::Trail;
+use eyebox_film::accumulate::Light;
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::slide::footprint::{self, Brightness, Edge, Footprint};
 use glam::{DMat2, DVec2, DVec3};
 
 /// A branch over a pixel; places within it are from its middle, in pixels to the right and down.
-pub(in crate::estimate::manifold) struct OverPixel<M: Mode> {
+pub(in crate::manifold) struct OverPixel<M: Mode> {
     /// Place in the pupil of the light that comes to the middle, m.
-    pub(in crate::estimate::manifold) pupil: DVec2,
+    pub(in crate::manifold) pupil: DVec2,
     /// From one pixel to the next.
     pupil_by: [DVec2; 2],
     /// cd/m², with the slides open.
-    pub(in crate::estimate::manifold) brightness: Brightness<M>,
-    pub(in crate::estimate::manifold) footprints: ArrayVec<Footprint, SLIDES>,
+    pub(in crate::manifold) brightness: Brightness<M>,
+    pub(in crate::manifold) footprints: ArrayVec<Footprint, SLIDES>,
     /// What of the pixel sees the lamp past the outlines of the train's faces.
-    pub(in crate::estimate::manifold) edges: ArrayVec<Edge, MASKS>,
-    pub(in crate::estimate::manifold) alone: bool,
-    pub(in crate::estimate::manifold) trail: Trail,
-    pub(in crate::estimate::manifold) told: LpeState,
+    pub(in crate::manifold) edges: ArrayVec<Edge, MASKS>,
+    pub(in crate::manifold) alone: bool,
+    pub(in crate::manifold) trail: Trail,
+    pub(in crate::manifold) told: LpeState,
 }
 
 /// Where light that comes to a pixel crosses the pupil, m, and how that moves.
@@ -112,14 +112,14 @@ impl<M: Mode> OverPixel<M> {
     }
 
     /// How far inside of the pupil's rim light from places of the pixel crosses it, m; none where it comes through the middle.
-    pub(in crate::estimate::manifold) fn to_rim_of_pupil(&self, radius_m: f64) -> Option<Edge> {
+    pub(in crate::manifold) fn to_rim_of_pupil(&self, radius_m: f64) -> Option<Edge> {
         let outwards = self.pupil.try_normalize()?;
         let by = -DVec2::from_array(self.pupil_by.map(|by| by.dot(outwards)));
         Some(Edge { first: radius_m - self.pupil.length(), by })
     }
 
     /// What comes to a place within the pixel; none beside a slide's picture.
-    pub(in crate::estimate::manifold) fn at(
+    pub(in crate::manifold) fn at(
         &self,
         (world, optics): (&World, &Optics<M>),
         within: DVec2,
@@ -129,7 +129,7 @@ impl<M: Mode> OverPixel<M> {
 }
 
 /// A branch over a pixel for every point of the lamp, in which all of it is linear.
-pub(in crate::estimate::manifold) struct OverLamp<M: Mode> {
+pub(in crate::manifold) struct OverLamp<M: Mode> {
     middle: OverPixel<M>,
     /// One size of the lamp aside along both axes.
     aside: [OverPixel<M>; 2],
@@ -149,14 +149,14 @@ impl<M: Mode> OverLamp<M> {
     }
 
     /// Whether outlines let any of the pixel see the lamp's point.
-    pub(in crate::estimate::manifold) fn is_seen(&self, off: DVec2) -> bool {
+    pub(in crate::manifold) fn is_seen(&self, off: DVec2) -> bool {
         self.edges
             .iter()
             .map(|edge| edge.at(off))
             .all(|edge| edge.first + 0.5 * (edge.by.x.abs() + edge.by.y.abs()) >= 0.0)
     }
 
-    pub(in crate::estimate::manifold) fn at(&self, off: DVec2) -> OverPixel<M> {
+    pub(in crate::manifold) fn at(&self, off: DVec2) -> OverPixel<M> {
         let (OverLamp { middle, aside: [a, b], edges, size_m }, [x, y]) = (self, (off / self.size_m).to_array());
         let number = |of: &dyn Fn(&OverPixel<M>) -> f64| (1.0 - x - y) * of(middle) + x * of(a) + y * of(b);
         let three = |of: &dyn Fn(&OverPixel<M>) -> DVec3| (1.0 - x - y) * of(middle) + x * of(a) + y * of(b);

@@ -4,10 +4,10 @@ use super::make::{ASIDE, BEYOND, Maker, Nodes};
 use super::masks::{self, MASKS, Mask};
 use super::tuning::trial::{LEAST, MASK_PIXELS, POOR, PUPIL_RIM, QUARTERS, RIM_ERRORS, RIM_PIXELS, SHARP};
 use super::{FilmTables, Node, Use, blend, through_slides};
-use crate::estimate::manifold::receiver::Crossing;
-use crate::estimate::manifold::seeds::connections::Entry;
-use crate::estimate::manifold::solver::bicubic::{SIDES, Spot};
-use crate::world::mode::Mode;
+use crate::manifold::receiver::Crossing;
+use crate::manifold::seeds::connections::Entry;
+use crate::manifold::solver::bicubic::{SIDES, Spot};
+use eyebox_world::mode::Mode;
 use glam::{DVec2, DVec3};
 
 impl<M: Mode> Maker<'_, M> {

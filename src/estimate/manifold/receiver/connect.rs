@@ -2,25 +2,25 @@
 
 use super::surface_param::SurfaceParam;
 use super::table::{Crossing, Node, ReceiverTable, SLIDES};
-use crate::base::chain::{Chain, Link, Step};
-use crate::base::lpe::Letter;
-use crate::base::path::Event;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::seeds::connections::index_of;
-use crate::estimate::manifold::solver::bicubic::Spot;
-use crate::estimate::manifold::solver::newton::{Family, Target, end_of, newton, trace};
-use crate::estimate::manifold::solver::ray_differentials::Landing;
-use crate::estimate::walk::{Travel, Vertex, Walker};
-use crate::film::accumulate::Light;
-use crate::film::specular_chain::SpecularChain;
-use crate::world::World;
-use crate::world::geometry::{Ray, Site};
-use crate::world::interior::Interior;
-use crate::world::mode::{LaneArray, Mode, lanes};
-use crate::world::optics::Optics;
-use crate::world::surface::Surface;
+use crate::ledger::Ledger;
+use crate::manifold::seeds::connections::index_of;
+use crate::manifold::solver::bicubic::Spot;
+use crate::manifold::solver::newton::{Family, Target, end_of, newton, trace};
+use crate::manifold::solver::ray_differentials::Landing;
+use crate::walk::{Travel, Vertex, Walker};
 use arrayvec::ArrayVec;
+use eyebox_base::chain::{Chain, Link, Step};
+use eyebox_base::lpe::Letter;
+use eyebox_base::path::Event;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_film::accumulate::Light;
+use eyebox_film::specular_chain::SpecularChain;
+use eyebox_world::World;
+use eyebox_world::geometry::{Ray, Site};
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::{LaneArray, Mode, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::surface::Surface;
 use glam::{DMat2, DVec2, DVec3};
 
 /// What the solver finds for a point of a face and a point of a lamp.

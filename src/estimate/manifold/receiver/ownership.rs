@@ -7,15 +7,15 @@ use super::connect::{Connector, Entry, Solution};
 use super::table::{Cell, ReceiverTable};
 use super::tuning::ownership::KNOWN;
 use super::{ABOUT_SAME, FORETOLD, MOST_SHEETS, Receivers, SAME};
-use crate::base::chain::Chain;
-use crate::estimate::ledger::cost;
-use crate::estimate::manifold::solver::bicubic::Spot;
-use crate::estimate::manifold::solver::newton::Target;
-use crate::world::World;
-use crate::world::geometry::Site;
-use crate::world::mode::Mode;
-use crate::world::optics::Optics;
+use crate::ledger::cost;
+use crate::manifold::solver::bicubic::Spot;
+use crate::manifold::solver::newton::Target;
 use arrayvec::ArrayVec;
+use eyebox_base::chain::Chain;
+use eyebox_world::World;
+use eyebox_world::geometry::Site;
+use eyebox_world::mode::Mode;
+use eyebox_world::optics::Optics;
 use glam::DVec3;
 
 /// Branches of a train for one lamp.

@@ -8,10 +8,10 @@ use super::table::Cell;
 use super::tuning::resolution::{CELL, CELLS, ORDER};
 pub(super) use super::tuning::resolution::{COARSE, RUN};
 use super::{FEWEST_LAMPS, MOST_SLACK, WORTH_EVERY_LAMP};
-use crate::film::specular_chain::Screen;
-use crate::world::World;
-use crate::world::mode::Mode;
-use crate::world::optics::Optics;
+use eyebox_film::specular_chain::Screen;
+use eyebox_world::World;
+use eyebox_world::mode::Mode;
+use eyebox_world::optics::Optics;
 use std::sync::{Arc, OnceLock};
 
 /// What the trial of a cell with solutions has shown.

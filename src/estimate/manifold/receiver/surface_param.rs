@@ -1,10 +1,10 @@
 //! Coordinates on a face that scatters: a grid of nodes over it.
 
 use super::tuning::surface_param::{BEYOND, INSIDE, RING};
-use crate::estimate::manifold::solver::bicubic::{Nodes, Spot};
-use crate::film::specular_chain::Screen;
-use crate::world::World;
-use crate::world::geometry::{Ray, Site};
+use crate::manifold::solver::bicubic::{Nodes, Spot};
+use eyebox_film::specular_chain::Screen;
+use eyebox_world::World;
+use eyebox_world::geometry::{Ray, Site};
 use glam::{DVec2, DVec3};
 
 /// A grid over the lit part of a face: places are counted along two axes of a plane.

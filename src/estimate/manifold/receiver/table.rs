@@ -4,30 +4,30 @@ use super::Incoming;
 use super::resolution::Errs;
 use super::surface_param::SurfaceParam;
 use super::tuning::table::QUADS;
-pub(in crate::estimate::manifold) use super::tuning::table::SLIDES;
-use crate::estimate::manifold::pixel_span::Span;
-use crate::estimate::manifold::solver::bicubic::{Rows, Spot};
-use crate::estimate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
-use crate::estimate::manifold::tuning::eye_subpath::WIDER;
-use crate::film::accumulate::Light;
-use crate::world::World;
-use crate::world::mode::{LaneArray, Mode, lanes};
-use crate::world::optics::Optics;
-use crate::world::slide::footprint::{self, Brightness, Footprint};
+pub(in crate::manifold) use super::tuning::table::SLIDES;
+use crate::manifold::pixel_span::Span;
+use crate::manifold::solver::bicubic::{Rows, Spot};
+use crate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
+use crate::manifold::tuning::eye_subpath::WIDER;
 use arrayvec::ArrayVec;
+use eyebox_film::accumulate::Light;
+use eyebox_world::World;
+use eyebox_world::mode::{LaneArray, Mode, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::slide::footprint::{self, Brightness, Footprint};
 use glam::{DVec2, DVec3};
 
 /// A place on a slide, mesh units, and how it moves with the place on the lamp.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::estimate::manifold) struct Crossing {
-    pub(in crate::estimate::manifold) slide: usize,
-    pub(in crate::estimate::manifold) local: DVec3,
-    pub(in crate::estimate::manifold) by_lamp: [DVec3; 2],
+pub(in crate::manifold) struct Crossing {
+    pub(in crate::manifold) slide: usize,
+    pub(in crate::manifold) local: DVec3,
+    pub(in crate::manifold) by_lamp: [DVec3; 2],
 }
 
 impl Crossing {
     /// The place for a point of the lamp that is `off` its middle, m.
-    pub(in crate::estimate::manifold) fn at(&self, off: DVec2) -> DVec3 {
+    pub(in crate::manifold) fn at(&self, off: DVec2) -> DVec3 {
         self.local + self.by_lamp[0] * off.x + self.by_lamp[1] * off.y
     }
 }

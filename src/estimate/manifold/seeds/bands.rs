@@ -3,11 +3,11 @@
 
 use super::connections::{Connections, index_of};
 use super::tuning::bands::BANDS;
-use crate::base::colour::hero;
-use crate::film::specular_chain::Connection;
-use crate::world::World;
-use crate::world::mode::{Mode, wavelengths_change};
-use crate::world::optics::Optics;
+use eyebox_base::colour::hero;
+use eyebox_film::specular_chain::Connection;
+use eyebox_world::World;
+use eyebox_world::mode::{Mode, wavelengths_change};
+use eyebox_world::optics::Optics;
 use rayon::prelude::*;
 use std::sync::Arc;
 

@@ -3,15 +3,15 @@
 
 use super::tuning::connections::{BRIGHT, FULL, SELDOM};
 use super::{Builder, SAME, Seeds};
-use crate::base::chain::Chain;
-use crate::estimate::ledger::cost;
-use crate::estimate::manifold::solver::grid::Grid;
-use crate::estimate::manifold::solver::newton::{Root, Target};
-use crate::film::specular_chain::{Connection, SpecularChain};
-use crate::world::World;
-use crate::world::mode::Mode;
-use crate::world::optics::Optics;
+use crate::ledger::cost;
+use crate::manifold::solver::grid::Grid;
+use crate::manifold::solver::newton::{Root, Target};
 use arrayvec::ArrayVec;
+use eyebox_base::chain::Chain;
+use eyebox_film::specular_chain::{Connection, SpecularChain};
+use eyebox_world::World;
+use eyebox_world::mode::Mode;
+use eyebox_world::optics::Optics;
 use glam::DVec2;
 use std::collections::HashMap;
 

@@ -4,8 +4,8 @@
 
 use super::connections::Connections;
 use super::tuning::edge_sampling::{DARK, MOST, UNSURE, USUAL};
-use crate::world::World;
-use crate::world::eye::EyeLens;
+use eyebox_world::World;
+use eyebox_world::eye::EyeLens;
 use glam::DVec2;
 use rayon::prelude::*;
 

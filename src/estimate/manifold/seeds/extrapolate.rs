@@ -3,7 +3,7 @@
 
 use super::tuning::extrapolate::{INSIDE, NEIGHBOURS, OUTSIDE, TRIES};
 use super::{Builder, Node, Seeds};
-use crate::world::eye::EyeLens;
+use eyebox_world::eye::EyeLens;
 use glam::DVec2;
 
 /// Where the solver may start for another lamp.

@@ -3,9 +3,9 @@
 
 use super::tuning::lamp_visibility::{ALL, BOXES, ELSEWHERE, ENDS, MARGIN, SPENT_ELSEWHERE};
 use super::{Node, Seeds};
-use crate::base::warp::BELOW_ONE;
-use crate::world::eye::EyeLens;
-use crate::world::lamp::{Lamp, LampPoint};
+use eyebox_base::warp::BELOW_ONE;
+use eyebox_world::eye::EyeLens;
+use eyebox_world::lamp::{Lamp, LampPoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
 

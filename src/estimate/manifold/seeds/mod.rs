@@ -8,11 +8,11 @@ mod extrapolate;
 mod lamp_visibility;
 mod tuning;
 
-use crate::estimate::manifold::solver::grid::Grid;
-use crate::estimate::manifold::solver::newton::{Family, Root, Target, newton, trace};
-use crate::film::specular_chain::{Connection, SpecularChain};
-use crate::world::World;
-use crate::world::lamp::{Lamp, Lamps};
+use crate::manifold::solver::grid::Grid;
+use crate::manifold::solver::newton::{Family, Root, Target, newton, trace};
+use eyebox_film::specular_chain::{Connection, SpecularChain};
+use eyebox_world::World;
+use eyebox_world::lamp::{Lamp, Lamps};
 use glam::{DMat2, DVec2};
 use lamp_visibility::Part;
 use std::collections::VecDeque;

@@ -1,7 +1,7 @@
 //! Cells over the picture, for what is looked up by a place in it.
 
 use super::tuning::grid::{CELLS, FEWEST, PIXELS};
-use crate::world::World;
+use eyebox_world::World;
 use glam::DVec2;
 
 /// Cells over the picture.

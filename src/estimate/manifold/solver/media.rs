@@ -1,7 +1,7 @@
 //! What the solver asks of the media that a train of faces leads through.
 
-use crate::world::mode::Mode;
-use crate::world::optics::Optics;
+use eyebox_world::mode::Mode;
+use eyebox_world::optics::Optics;
 
 /// Indices, and the wavelength that gratings bend by.
 pub trait Media {

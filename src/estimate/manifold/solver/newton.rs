@@ -7,10 +7,10 @@
 use super::media::Media;
 use super::ray_differentials::RayDifferentials;
 use super::tuning::newton::{HALVINGS, STEPS};
-use crate::film::specular_chain::SpecularChain;
-use crate::world::World;
-use crate::world::eye::EyeLens;
-use crate::world::geometry::{Ray, Site};
+use eyebox_film::specular_chain::SpecularChain;
+use eyebox_world::World;
+use eyebox_world::eye::EyeLens;
+use eyebox_world::geometry::{Ray, Site};
 use glam::{DMat2, DVec2, DVec3};
 
 /// A family of rays with two parameters.

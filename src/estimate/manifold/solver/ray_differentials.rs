@@ -5,14 +5,14 @@
 //! of the phase match in `world/grating.rs`, at one wavelength.
 
 use super::media::Media;
-use crate::base::chain::Step;
-use crate::film::specular_chain::{Lens, SpecularChain};
-use crate::world::World;
-use crate::world::fresnel::{reflect, refract};
-use crate::world::geometry::interface_derivatives::{Meet, site_of};
-use crate::world::geometry::{Ray, Site};
-use crate::world::grating::diffract;
-use crate::world::surface::Surface;
+use eyebox_base::chain::Step;
+use eyebox_film::specular_chain::{Lens, SpecularChain};
+use eyebox_world::World;
+use eyebox_world::fresnel::{reflect, refract};
+use eyebox_world::geometry::interface_derivatives::{Meet, site_of};
+use eyebox_world::geometry::{Ray, Site};
+use eyebox_world::grating::diffract;
+use eyebox_world::surface::Surface;
 use glam::DVec3;
 
 /// A ray and how its origin and direction change with two parameters.

@@ -1,11 +1,11 @@
 //! Derivatives of diffraction against finite differences of rays that the tracer's own law bends.
 
 use super::*;
-use crate::base::chain::Link;
-use crate::base::ids::{GratingId, MediumId};
-use crate::base::rng::{Rng, Stream};
-use crate::scene::{Finish, Grating, Order, Scene};
-use crate::world::geometry::scenes;
+use eyebox_base::chain::Link;
+use eyebox_base::ids::{GratingId, MediumId};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_scene::{Finish, Grating, Order, Scene};
+use eyebox_world::geometry::scenes;
 use glam::{DAffine3, DQuat, DVec2};
 
 const NM: f64 = 550.0;

@@ -2,19 +2,19 @@
 
 use super::sight::Square;
 use super::{OverPixel, Vision};
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{BLOCK, RIGHT, TRIALS, WORTH};
-use crate::film::accumulate::Light;
-use crate::world::mode::{Mode, components};
-use crate::world::optics::Optics;
+use crate::ledger::Ledger;
+use crate::ownership::Ownership;
+use crate::pixel::Pixel;
+use crate::tuning::over_pixel::{BLOCK, RIGHT, TRIALS, WORTH};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_film::accumulate::Light;
+use eyebox_world::mode::{Mode, components};
+use eyebox_world::optics::Optics;
 use glam::DVec2;
 use rayon::prelude::*;
 
 /// The footprints of those pixels.
-pub(in crate::estimate::vision) struct PixelFootprints<M: Mode>(
+pub(in crate::vision) struct PixelFootprints<M: Mode>(
     /// Per pixel; nothing where it has none.
     Vec<Box<[OverPixel<M>]>>,
 );
@@ -30,7 +30,7 @@ enum Known {
 
 impl<M: Mode> PixelFootprints<M> {
     /// `optics`: of the wavelengths at which edges are looked for.
-    pub(in crate::estimate::vision) fn find(
+    pub(in crate::vision) fn find(
         vision: &Vision<'_, M>,
         route: &Ownership,
         optics: &[Optics<M>],
@@ -66,7 +66,7 @@ impl<M: Mode> PixelFootprints<M> {
     }
 
     /// Those of a pixel.
-    pub(in crate::estimate::vision) fn of(&self, pixel: u64) -> &[OverPixel<M>] {
+    pub(in crate::vision) fn of(&self, pixel: u64) -> &[OverPixel<M>] {
         self.0.get(pixel as usize).map_or(&[], |own| own)
     }
 }

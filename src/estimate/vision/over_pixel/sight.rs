@@ -1,20 +1,20 @@
 //! The paths by which a pixel's footprint is known.
 
 use super::{Linear, Met, OverPixel, Vision};
-use crate::base::chain::Chain;
-use crate::base::rng::{Rng, Stream};
-use crate::estimate::emitter_hit::EmitterHit;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::ownership::Ownership;
-use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{CLOSE, MOST_TRAINS, STARTS, WIDER};
-use crate::estimate::tuning::vision::SPLIT_FROM;
-use crate::estimate::walk::Walker;
-use crate::world::World;
-use crate::world::mode::{LaneArray, Mode, lanes};
-use crate::world::optics::Optics;
-use crate::world::slide::footprint::{MOST, MOST_EDGES};
+use crate::emitter_hit::EmitterHit;
+use crate::ledger::Ledger;
+use crate::ownership::Ownership;
+use crate::pixel::Pixel;
+use crate::tuning::over_pixel::{CLOSE, MOST_TRAINS, STARTS, WIDER};
+use crate::tuning::vision::SPLIT_FROM;
+use crate::walk::Walker;
 use arrayvec::ArrayVec;
+use eyebox_base::chain::Chain;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_world::World;
+use eyebox_world::mode::{LaneArray, Mode, lanes};
+use eyebox_world::optics::Optics;
+use eyebox_world::slide::footprint::{MOST, MOST_EDGES};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::ops::{Add, Mul, Sub};
 

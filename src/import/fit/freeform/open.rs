@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::model::Sample;
-use crate::scene::Known;
+use eyebox_scene::Known;
 
 /// Standard errors of the surface between the points, root mean squares over the face and at worst: from the scatter of
 /// the points about it, that of rounding to f32 at least. They hold as far as the surface is of its kind.

@@ -2,8 +2,8 @@
 
 use super::basis::{Basis, legendre_powers};
 use super::model::Model;
-use crate::import::fit::task::Scale;
-use crate::import::fit::{Fitted, Kind};
+use crate::fit::task::Scale;
+use crate::fit::{Fitted, Kind};
 
 /// A base flatter than this, of a face scaled to size one, is told as this flat: a radius is a finite number.
 pub(super) const FLATTEST: f64 = 1e-9;

@@ -1,6 +1,6 @@
 //! Synthetic freeforms with f32 vertices in turned frames: the oracle is the closed form that made the points.
 
-use crate::import::fit::{Fit, FitError, Fitted, Kind, fit};
+use crate::fit::{Fit, FitError, Fitted, Kind, fit};
 use glam::{DQuat, DVec3, EulerRot};
 
 /// A mesh of (nu + 1) × (nv + 1) points over a rectangle of half sizes, squeezed into its ellipse for `disc`.

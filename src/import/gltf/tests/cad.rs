@@ -1,10 +1,10 @@
 //! The two HUDs as a CAD kernel exported them. What is known of them comes from the optical prescription
 //! (positions of the lenses), from a count over the JSON by another program, and from the `gltf` crate.
 
-use crate::base::Where;
-use crate::import::ReadOptions;
-use crate::import::gltf::{looks_like_millimetres, read};
-use crate::scene::Severity;
+use crate::ReadOptions;
+use crate::gltf::{looks_like_millimetres, read};
+use eyebox_base::Where;
+use eyebox_scene::Severity;
 use glam::DVec3;
 use std::path::Path;
 
@@ -189,10 +189,10 @@ fn millimetres_are_noticed() {
         let mut assembly = read(Path::new(file), &ReadOptions::default()).unwrap();
         let note = looks_like_millimetres(&assembly).unwrap();
         assert!(note.text.contains(extent) && note.text.contains("unit = 0.001"), "{}", note.text);
-        let at = crate::base::Where::Nowhere;
-        let said = crate::import::gltf::large_by_its_unit(&assembly, 1.0, at.clone()).unwrap();
+        let at = eyebox_base::Where::Nowhere;
+        let said = crate::gltf::large_by_its_unit(&assembly, 1.0, at.clone()).unwrap();
         assert!(said.text.contains(extent) && said.text.contains("in a wrong unit"), "{}", said.text);
-        assert_eq!(crate::import::gltf::large_by_its_unit(&assembly, 0.001, at), None);
+        assert_eq!(crate::gltf::large_by_its_unit(&assembly, 0.001, at), None);
         assembly.unit_m = 0.001;
         assert_eq!(looks_like_millimetres(&assembly), None);
     }

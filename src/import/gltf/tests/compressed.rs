@@ -1,8 +1,8 @@
 //! Geometry that is packed by the libraries' own encoders and must come back.
 
-use crate::import::ReadOptions;
-use crate::import::gltf::meshopt::{Filter, Mode, unpacked};
-use crate::import::gltf::testing::Builder;
+use crate::ReadOptions;
+use crate::gltf::meshopt::{Filter, Mode, unpacked};
+use crate::gltf::testing::Builder;
 use draco_core as draco;
 use meshoptimizer_rs::{Workspace, codec};
 use serde_json::json;
@@ -98,8 +98,7 @@ fn meshopt_streams_come_back_exactly() {
     let (positions, indices) = grid();
     for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
         let glb = with_placeholder(&meshopt_asset(name));
-        let assembly =
-            crate::import::gltf::read_bytes(std::path::Path::new("a.glb"), &glb, &ReadOptions::default()).unwrap();
+        let assembly = crate::gltf::read_bytes(std::path::Path::new("a.glb"), &glb, &ReadOptions::default()).unwrap();
         let mesh = &assembly.meshes[0].mesh;
         assert_eq!(mesh.positions, positions);
         assert_eq!(mesh.triangles.len() * 3, indices.len());
@@ -184,11 +183,8 @@ fn broken_meshopt_streams_are_faults() {
     ] {
         let mut broken = sound.clone();
         broken.json["bufferViews"][view]["extensions"]["EXT_meshopt_compression"][key] = value;
-        let found = crate::import::gltf::read_bytes(
-            std::path::Path::new("a.glb"),
-            &with_placeholder(&broken),
-            &ReadOptions::default(),
-        );
+        let found =
+            crate::gltf::read_bytes(std::path::Path::new("a.glb"), &with_placeholder(&broken), &ReadOptions::default());
         let fault = found.expect_err(what);
         assert!(fault.to_string().contains(what), "{what}: {fault}");
     }

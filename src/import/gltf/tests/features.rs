@@ -1,10 +1,10 @@
 //! One small asset per feature.
 
-use crate::base::Where;
-use crate::import::gltf::testing::Builder;
-use crate::import::gltf::{looks_like_millimetres, read, read_bytes};
-use crate::import::{Assembly, Data, ReadOptions};
-use crate::scene::Severity;
+use crate::gltf::testing::Builder;
+use crate::gltf::{looks_like_millimetres, read, read_bytes};
+use crate::{Assembly, Data, ReadOptions};
+use eyebox_base::Where;
+use eyebox_scene::Severity;
 use glam::{DQuat, DVec3};
 use serde_json::{Value as Json, json};
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! Broken and hostile files: always a fault with its place, never a panic, a hang or a flood of memory.
 
-use crate::base::error::Result;
-use crate::base::rng::{Rng, Stream};
-use crate::base::{Error, Where};
-use crate::import::ReadOptions;
-use crate::import::gltf::read_bytes;
-use crate::import::gltf::testing::Builder;
+use crate::ReadOptions;
+use crate::gltf::read_bytes;
+use crate::gltf::testing::Builder;
+use eyebox_base::error::Result;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::{Error, Where};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 

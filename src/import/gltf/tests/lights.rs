@@ -1,13 +1,13 @@
 //! Lights, films and looks.
 
-use crate::base::error::Result;
-use crate::import::Assembly;
-use crate::import::assembly::LightForm;
-use crate::import::assembly::{LightProfile, ProfileSource};
-use crate::import::gltf::testing::Builder;
-use crate::import::value::Value;
-use crate::scene::Severity;
-use crate::scene::texture::Channel;
+use crate::Assembly;
+use crate::assembly::LightForm;
+use crate::assembly::{LightProfile, ProfileSource};
+use crate::gltf::testing::Builder;
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_scene::Severity;
+use eyebox_scene::texture::Channel;
 use serde_json::{Value as Json, json};
 
 fn lit(light: Json) -> Result<Assembly> {

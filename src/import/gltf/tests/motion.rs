@@ -1,7 +1,7 @@
 //! Animations, morph targets and skins against closed forms.
 
-use crate::import::gltf::testing::Builder;
-use crate::import::{Assembly, ReadOptions};
+use crate::gltf::testing::Builder;
+use crate::{Assembly, ReadOptions};
 use glam::{DQuat, DVec3};
 use serde_json::json;
 use std::f32::consts::FRAC_1_SQRT_2;

@@ -1,7 +1,7 @@
 //! `KHR_materials_variants`, chosen by name.
 
-use crate::import::gltf::testing::Builder;
-use crate::import::{ReadOptions, VariantChoice};
+use crate::gltf::testing::Builder;
+use crate::{ReadOptions, VariantChoice};
 use serde_json::json;
 
 /// A square whose own material is 0; 1 in the variants `street` and `night`, none of its own in `beach`.

@@ -1,8 +1,8 @@
 //! The patches of a hemisphere that a matrix is measured between: rings about the normal, each of equal patches.
 
 use super::{children, find, said};
-use crate::base::Where;
-use crate::base::error::{Error, Result};
+use eyebox_base::Where;
+use eyebox_base::error::{Error, Result};
 use roxmltree::Node;
 use std::f64::consts::{PI, TAU};
 

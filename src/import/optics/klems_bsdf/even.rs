@@ -2,7 +2,7 @@
 //! a face.
 
 use super::basis::Basis;
-use crate::scene::scatter_table::Measurement;
+use eyebox_scene::scatter_table::Measurement;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Steps of the azimuth from 0 to π: borders of patches are kept to half a degree.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::ScatterTable;
+use eyebox_scene::ScatterTable;
 use std::f64::consts::PI;
 
 /// A file with these matrices `[incidence][leaving]` of the full basis.

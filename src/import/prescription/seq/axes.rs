@@ -1,7 +1,7 @@
 //! A surface as its commands leave it, with the axes before and behind it and where it ends.
 
-use crate::import::prescription::profile::Form;
-use crate::import::prescription::{After, Outline, Profile, Surface, Turn};
+use crate::prescription::profile::Form;
+use crate::prescription::{After, Outline, Profile, Surface, Turn};
 
 /// How the axes of a surface go on behind it.
 #[derive(Clone, Copy, PartialEq)]

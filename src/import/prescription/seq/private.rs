@@ -1,9 +1,9 @@
 //! Glasses that a sequence defines itself, between PRV and END: indices at the wavelengths of PWL, or a formula by its name.
 
 use super::words::bare;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::prescription::After;
+use crate::prescription::After;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 use std::collections::BTreeMap;
 
 /// The formula that is read: Laurent's, n² = A₀ + A₁λ² + A₂λ⁻² + A₃λ⁻⁴ + A₄λ⁻⁶ + A₅λ⁻⁸, λ in µm (CODE V Reference Manual,

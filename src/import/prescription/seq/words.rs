@@ -1,9 +1,9 @@
 //! Commands of a sequence and the words that are in them.
 
 use super::private::Private;
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::import::prescription::After;
+use crate::prescription::After;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
 
 /// Commands with their lines: comments left out, a line that ends in `&` goes on in the next, `;` parts them outside of quotes.
 pub(super) fn commands(text: &str) -> Vec<(usize, String)> {

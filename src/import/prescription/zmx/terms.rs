@@ -1,6 +1,6 @@
 //! Terms that are added to a surface, as they are numbered in lens files and here.
 
-use crate::import::prescription::profile::Form;
+use crate::prescription::profile::Form;
 
 /// Coefficients of x, y, x², xy, … of the places over the norm radius.
 pub(super) fn polynomial(given: &[f64], norm_radius: f64) -> Form {

@@ -6,7 +6,7 @@ use super::super::notes::Ledger;
 use super::super::paint::Painted;
 use super::super::primvar::{self, Primvar, Sizes};
 use super::super::reads::{Coordinates, OfVertices, Reads, Set};
-use crate::base::error::{Result, nearest_name};
+use eyebox_base::error::{Result, nearest_name};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ use std::rc::Rc;
 pub(super) type Held<T> = Option<Rc<Primvar<T>>>;
 
 #[derive(Debug, Clone, Default)]
-pub(in crate::import::usd) struct Carried {
+pub(in crate::usd) struct Carried {
     pub uvs: Held<[f32; 2]>,
     pub second_uvs: Held<[f32; 2]>,
     pub color: Held<[f32; 3]>,

@@ -4,13 +4,13 @@ use super::super::attribute::PrimView;
 use super::super::caches::Alike;
 use super::super::handed::{self, Above};
 use super::super::reader::Reader;
-use crate::base::error::Result;
-use crate::import::assembly::MeshSource;
-use crate::import::value::Value;
-use crate::scene::Mesh;
+use crate::assembly::MeshSource;
+use crate::value::Value;
+use eyebox_base::error::Result;
+use eyebox_scene::Mesh;
 
 /// What building a mesh ends in.
-pub(in crate::import::usd) enum Made {
+pub(in crate::usd) enum Made {
     Nothing,
     New(Box<MeshSource>),
     /// One that is kept already.
@@ -18,7 +18,7 @@ pub(in crate::import::usd) enum Made {
 }
 
 /// The mesh of a prim, an index of `Assembly::meshes`; built if its source was not met before.
-pub(in crate::import::usd) fn shared(
+pub(in crate::usd) fn shared(
     reader: &mut Reader,
     view: &PrimView,
     below: &Above,
@@ -43,7 +43,7 @@ pub(in crate::import::usd) fn shared(
 }
 
 /// Adds a mesh, or finds one that is the same to the last bit.
-pub(in crate::import::usd) fn keep(reader: &mut Reader, source: MeshSource) -> usize {
+pub(in crate::usd) fn keep(reader: &mut Reader, source: MeshSource) -> usize {
     let meshes = &mut reader.assembly.meshes;
     let index = meshes.len();
     let size = (source.mesh.positions.len(), source.mesh.triangles.len());

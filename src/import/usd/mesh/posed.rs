@@ -1,8 +1,8 @@
 //! The vertices that a rig makes of those at rest, at its own pose.
 
-use crate::import::gltf::normals::unit;
-use crate::import::skinning::{self, Blend};
-use crate::scene::motion::{Rig, Vertices};
+use crate::gltf::normals::unit;
+use crate::skinning::{self, Blend};
+use eyebox_scene::motion::{Rig, Vertices};
 use glam::{DAffine3, DVec3};
 
 /// None where joints turn most of the mesh inside out: its triangles say so, and a rig says nothing of them.

@@ -7,7 +7,7 @@ use super::super::triangulate;
 use super::carried::{Carried, Held};
 use super::cut::Own;
 use super::vertices::{self, Data, Scratch};
-use crate::import::gltf::primitive::FaceMesh;
+use crate::gltf::primitive::FaceMesh;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::{BTreeSet, HashMap};

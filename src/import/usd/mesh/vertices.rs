@@ -4,12 +4,12 @@ use super::super::polygons::{Corners, Polygons};
 use super::super::primvar::Primvar;
 use super::carried::{Carried, Held};
 use super::cut::{self, Own};
-use crate::import::gltf::primitive::FaceMesh;
+use crate::gltf::primitive::FaceMesh;
 use std::rc::Rc;
 
 /// A mesh as it is in the file.
 #[derive(Debug, Clone)]
-pub(in crate::import::usd) struct Data {
+pub(in crate::usd) struct Data {
     pub polygons: Polygons,
     pub normals: Option<Primvar<[f32; 3]>>,
     /// Of the face that is made.

@@ -6,7 +6,7 @@ use super::super::reader::Reader;
 use super::super::skel_binding::{Bound, Inherited, name_of};
 use super::super::value;
 use super::{saying, view_at};
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use glam::DVec3;
 
 const INBETWEEN: &str = "inbetweens:";

@@ -7,7 +7,7 @@ use super::super::skel_binding::{Bound, Inherited, name_of};
 use super::super::value;
 use super::saying;
 use super::skeleton::affine;
-use crate::base::error::{Result, nearest_name};
+use eyebox_base::error::{Result, nearest_name};
 use glam::DAffine3;
 
 /// Of all points of a mesh.

@@ -16,10 +16,10 @@ use super::primvar::Primvar;
 use super::reader::Reader;
 use super::skel_binding::{Bound, Inherited, name_of};
 use super::xform;
-use crate::base::Code;
-use crate::base::error::Result;
-use crate::import::gltf::transform::is_singular;
-use crate::import::skinning::{self, Blend};
+use crate::gltf::transform::is_singular;
+use crate::skinning::{self, Blend};
+use eyebox_base::Code;
+use eyebox_base::error::Result;
 use glam::{DAffine3, DVec3};
 use influences::Influences;
 use openusd::sdf;
@@ -155,7 +155,7 @@ fn bend_normals(shape: &mut Shape<'_>, offsets: Option<&[DVec3]>, matrices: &[DA
         if let Some(matrix) = matrices.get(point) {
             normal = skinning::normal(&matrix.matrix3, normal);
         }
-        crate::import::gltf::normals::unit(normal).unwrap_or_default()
+        crate::gltf::normals::unit(normal).unwrap_or_default()
     };
     *shape.normals = Some(normals.with_points(shape.corners, shape.points.len(), bent));
 }

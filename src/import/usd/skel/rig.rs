@@ -6,13 +6,13 @@ use super::super::skel_binding::{Bound, Inherited};
 use super::blend_shape::{self, Whole};
 use super::influences::Influences;
 use super::{skeleton, target, world};
-use crate::base::error::Result;
-use crate::import::gltf::transform::is_singular;
-use crate::scene::motion::{Joint, Pose, Rig, Skin, Target, Vertices};
+use crate::gltf::transform::is_singular;
+use eyebox_base::error::Result;
+use eyebox_scene::motion::{Joint, Pose, Rig, Skin, Target, Vertices};
 use glam::{DAffine3, DVec3};
 
 /// Of the points of a mesh.
-pub(in crate::import::usd) struct PointRig {
+pub(in crate::usd) struct PointRig {
     shapes: Vec<Whole>,
     joints: Vec<Joint>,
     binds: Vec<DAffine3>,
@@ -25,7 +25,7 @@ pub(in crate::import::usd) struct PointRig {
 ///
 /// # Errors
 /// As [`super::bend`].
-pub(in crate::import::usd) fn rig(
+pub(in crate::usd) fn rig(
     reader: &mut Reader,
     view: &PrimView,
     inherited: &Inherited,

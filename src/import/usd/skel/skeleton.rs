@@ -7,7 +7,7 @@ use super::super::skel_binding::{Bound, Inherited, name_of};
 use super::super::value;
 use super::super::xform;
 use super::target;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use glam::{DAffine3, DMat3, DVec3};
 use openusd::sdf::Value;
 use std::collections::HashMap;

@@ -1,7 +1,7 @@
 //! UsdSkel against closed forms: the bar of the glTF tests, blend shapes as linear combinations.
 
 use super::super::tests::kit::{Folder, notes};
-use crate::import::Assembly;
+use crate::Assembly;
 use glam::DVec3;
 
 /// The bar: a joint at its foot and one at (0, 1, 0) that turns from 0 to 90° about z between 0 and 10. `mesh` and `root`

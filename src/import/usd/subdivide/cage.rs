@@ -6,7 +6,7 @@ use super::super::polygons::Polygons;
 use super::super::reader::Reader;
 use super::super::value;
 use super::Scheme;
-use crate::base::error::Result;
+use eyebox_base::error::Result;
 use opensubdiv_rs::sdc::{FVarLinearInterpolation, Options, TriangleSubdivision, VtxBoundaryInterpolation};
 use std::collections::{HashMap, HashSet};
 
@@ -233,7 +233,7 @@ fn options(view: &PrimView) -> Result<Options> {
     Ok(options.with_fvar_linear_interpolation(linear))
 }
 
-fn unknown(view: &PrimView, name: &str, given: &str, known: &[&str]) -> Box<crate::base::Error> {
+fn unknown(view: &PrimView, name: &str, given: &str, known: &[&str]) -> Box<eyebox_base::Error> {
     let fault = view.fault_in(name, format!("the value `{}`", given.escape_debug()));
     fault.expected(known.join(", ")).nearest(given, known.iter().copied())
 }

@@ -12,8 +12,8 @@ use super::attribute::PrimView;
 use super::polygons::{Corners, Polygons};
 use super::primvar::Primvar;
 use super::reader::Reader;
-use crate::base::error::Result;
 use cage::Cage;
+use eyebox_base::error::Result;
 
 /// How a cage is subdivided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 //! creases, and one for each face where it is pinned: such a point is the tip of a spike or the corner of a sheet.
 
 use super::Scheme;
-use crate::import::gltf::normals::unit;
+use crate::gltf::normals::unit;
 use glam::DVec3;
 use opensubdiv_rs::far::{TopologyLevel, TopologyRefiner};
 use std::collections::HashMap;

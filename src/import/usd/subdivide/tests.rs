@@ -6,7 +6,7 @@ use super::super::primvar::{Interpolation, Primvar};
 use super::super::tests::kit::{assembly, fault, notes};
 use super::cage::Cage;
 use super::{Fine, Scheme, refine};
-use crate::import::Assembly;
+use crate::Assembly;
 use glam::DVec3;
 use opensubdiv_rs::sdc::{Options, VtxBoundaryInterpolation};
 

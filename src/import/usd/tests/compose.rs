@@ -187,8 +187,8 @@ fn variants_are_chosen() {
          variantSet \"size\" = { \"small\" { def Xform \"Small\" { } } \"large\" { def Xform \"Large\" { } } }\n}\n";
     let folder = Folder::new(&[("a.usda", root), ("b.usda", part)]);
     let read = |choices: &[&str]| {
-        let variants = choices.iter().map(|text| crate::import::VariantChoice::parse(text).unwrap()).collect();
-        folder.read_with(&crate::import::ReadOptions { variants, ..Default::default() })
+        let variants = choices.iter().map(|text| crate::VariantChoice::parse(text).unwrap()).collect();
+        folder.read_with(&crate::ReadOptions { variants, ..Default::default() })
     };
     let found = |choices: &[&str]| {
         let found = read(choices).unwrap();

@@ -3,14 +3,14 @@
 //! `tests/data/usd_frames/expected.txt` is what usd-core says of `root.usda` there; `tests/interchange/usd_frames.py`
 //! made it.
 
-use crate::import::usd::read;
-use crate::import::{Assembly, ReadOptions};
-use crate::scene::assembly::LightForm;
+use crate::usd::read;
+use crate::{Assembly, ReadOptions};
+use eyebox_scene::assembly::LightForm;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/usd_frames").join(name)
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data/usd_frames").join(name)
 }
 
 /// Single precision, and what usd-core loses by turning quaternions into angles and back.

@@ -1,7 +1,7 @@
 //! Stages in a folder of their own.
 
-use crate::import::usd::read;
-use crate::import::{Assembly, ReadOptions};
+use crate::usd::read;
+use crate::{Assembly, ReadOptions};
 use tempfile::TempDir;
 
 /// A folder with files, the first of which is the asset.

@@ -1,8 +1,8 @@
 //! UsdLux against its own formulas.
 
 use super::kit::{assembly, notes};
-use crate::import::Assembly;
-use crate::scene::assembly::LightForm;
+use crate::Assembly;
+use eyebox_scene::assembly::LightForm;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -71,7 +71,7 @@ fn points_are_small_spheres() {
 /// A profile that is not normalised says how strong a point is; without one, a point of radius 0 is dark.
 #[test]
 fn points_of_no_radius_shine_by_their_profile() {
-    let profile = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ies_quirks/bom.ies");
+    let profile = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/ies_quirks/bom.ies");
     let point = "bool treatAsPoint = 1\nfloat inputs:radius = 0\n";
     let measured = format!("{point}asset inputs:shaping:ies:file = @{profile}@\n");
     let found = light("SphereLight", &measured);

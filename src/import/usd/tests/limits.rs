@@ -1,7 +1,7 @@
 //! Assets that multiply inside composition end in a result or a fault, and soon.
 
 use super::kit::{Folder, assembly};
-use crate::import::Assembly;
+use crate::Assembly;
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 

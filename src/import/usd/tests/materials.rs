@@ -1,10 +1,10 @@
 //! Bindings and surfaces.
 
 use super::kit::{Folder, SQUARE, assembly, notes};
-use crate::import::Assembly;
-use crate::import::value::Value;
-use crate::scene::Opacity;
-use crate::scene::texture::{Channel, Encoding, Wrap};
+use crate::Assembly;
+use crate::value::Value;
+use eyebox_scene::Opacity;
+use eyebox_scene::texture::{Channel, Encoding, Wrap};
 
 /// The material of each face of the node at `path`.
 fn bound<'a>(assembly: &'a Assembly, path: &str) -> Vec<&'a str> {
@@ -256,8 +256,8 @@ fn glass_of_others_is_not_lost_without_a_word() {
     ] {
         let found = surface(kind, inputs);
         // Nothing stands on this stage but the material.
-        let of_material = |note: &&crate::scene::Note| {
-            note.severity == crate::scene::Severity::Warning && note.code != Some(crate::base::Code::NothingToTrace)
+        let of_material = |note: &&eyebox_scene::Note| {
+            note.severity == eyebox_scene::Severity::Warning && note.code != Some(eyebox_base::Code::NothingToTrace)
         };
         let warnings: Vec<_> = found.notes.iter().filter(of_material).collect();
         match want {

@@ -1,9 +1,9 @@
 //! Polygons, faces, primvars, implicit shapes.
 
 use super::kit::{SQUARE, assembly, fault, notes, paths};
-use crate::base::Where;
-use crate::import::Assembly;
-use crate::scene::FaceRange;
+use crate::Assembly;
+use eyebox_base::Where;
+use eyebox_scene::FaceRange;
 use glam::DVec3;
 
 fn mesh(contents: &str) -> Assembly {

@@ -1,10 +1,10 @@
 //! Networks of nodes: what folds, and what is said of the rest.
 
 use super::kit::{assembly, notes};
-use crate::base::Shared;
-use crate::import::Assembly;
-use crate::scene::texture::{Channel, Encoding, Filter, Wrap};
-use crate::scene::{Opacity, StandardSurface};
+use crate::Assembly;
+use eyebox_base::Shared;
+use eyebox_scene::texture::{Channel, Encoding, Filter, Wrap};
+use eyebox_scene::{Opacity, StandardSurface};
 
 /// A material with a MaterialX shader of this kind.
 fn shader(kind: &str, inputs: &str, nodes: &str) -> Assembly {

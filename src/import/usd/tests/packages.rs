@@ -1,10 +1,10 @@
 //! Packages, packages inside of packages, and the pictures in them.
 
 use super::kit::{notes, paths};
-use crate::base::package;
-use crate::import::ReadOptions;
-use crate::import::usd::read;
-use crate::scene::assembly::LightForm;
+use crate::ReadOptions;
+use crate::usd::read;
+use eyebox_base::package;
+use eyebox_scene::assembly::LightForm;
 use openusd::usdz::ArchiveWriter;
 use std::io::Cursor;
 
@@ -72,7 +72,7 @@ fn pictures_in_packages_are_named_by_their_entry() {
     let LightForm::Dome { image: Some(image), .. } = &found.lights[0].form else { panic!("no dome") };
     assert_eq!((image, package::read(image).unwrap()), (&entry("sky.hdr"), b"sky".to_vec()));
     assert_eq!(found.textures.iter().map(|(file, _)| file).collect::<Vec<_>>(), [&entry("wood.png")]);
-    let all = crate::import::dependencies(&file, &ReadOptions::default()).unwrap();
+    let all = crate::dependencies(&file, &ReadOptions::default()).unwrap();
     let all: Vec<_> = all.iter().map(|one| (one.file.clone(), one.role.as_str(), one.there)).collect();
     let want = [
         (file.clone(), "asset", true),
@@ -87,7 +87,7 @@ fn pictures_in_packages_are_named_by_their_entry() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, bytes).unwrap();
     }
-    let all = crate::import::dependencies(
+    let all = crate::dependencies(
         &folder.path().join("root.usda"),
         &ReadOptions { frame: Some(1.0), ..ReadOptions::default() },
     )

@@ -1,8 +1,8 @@
 //! Texture coordinates and colours of vertices, by the names of primvars.
 
 use super::kit::{assembly, notes};
-use crate::import::Assembly;
-use crate::scene::Mesh;
+use crate::Assembly;
+use eyebox_scene::Mesh;
 
 fn only_mesh(found: &Assembly) -> &Mesh {
     assert_eq!(found.meshes.len(), 1, "{}", notes(found));

@@ -1,13 +1,13 @@
 //! The same CAD assembly through USD and through glTF, part by part and face by face.
 
-use crate::import::{Assembly, ReadOptions, gltf, usd};
+use crate::{Assembly, ReadOptions, gltf, usd};
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// A file of the exporter's.
 fn sample(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name)
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("samples").join(name)
 }
 
 type Triangle = [[u32; 3]; 3];
@@ -21,7 +21,7 @@ fn faces(assembly: &Assembly, mesh: usize) -> Vec<Vec<Triangle>> {
         let least = (0..3).min_by_key(|&i| t[i]).unwrap();
         [0, 1, 2].map(|i| t[(least + i) % 3])
     };
-    let sorted = |range: &crate::scene::FaceRange| {
+    let sorted = |range: &eyebox_scene::FaceRange| {
         let mut all: Vec<Triangle> = mesh.triangles[range.triangles()].iter().map(one).collect();
         all.sort_unstable();
         all

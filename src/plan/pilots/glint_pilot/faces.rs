@@ -3,29 +3,29 @@
 
 use super::fit::{Moves, Seen, about, pieces, settle};
 use super::{Search, Wants, Way};
-use crate::base::chain::Chain;
-use crate::base::lattice::lattice;
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::{disk, triangle};
-use crate::estimate::ShouldStop;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::solver::newton::{Family, Target, newton};
-use crate::estimate::vision::is_looked_about;
-use crate::estimate::walk::{Meeting, Met, Travel, Walker};
-use crate::film::glint::Glint;
-use crate::plan::pilots::chains::{SEED, train};
-use crate::plan::pilots::tuning::glint_pilot::{
+use crate::pilots::chains::{SEED, train};
+use crate::pilots::tuning::glint_pilot::{
     AIMED, AIMED_AT_FACE, AT_A_TIME, CELLS, CLOSER, FEWEST, GROWN, IN_VAIN, KEPT, LEAST, MANY_LAMPS, MANY_MET,
     MOST_LAMPS, MOST_SEGMENTS, MOST_WAYS, RAYS, ROOM, STARTS, STEP, WORTH,
 };
-use crate::scene::Scene;
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::lamp::Lamp;
-use crate::world::mode::{Mode, Mono};
-use crate::world::optics::Optics;
-use crate::world::surface::Surface;
+use eyebox_base::chain::Chain;
+use eyebox_base::lattice::lattice;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::{disk, triangle};
+use eyebox_estimate::ShouldStop;
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::manifold::solver::newton::{Family, Target, newton};
+use eyebox_estimate::vision::is_looked_about;
+use eyebox_estimate::walk::{Meeting, Met, Travel, Walker};
+use eyebox_film::glint::Glint;
+use eyebox_scene::Scene;
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::lamp::Lamp;
+use eyebox_world::mode::{Mode, Mono};
+use eyebox_world::optics::Optics;
+use eyebox_world::surface::Surface;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,7 +52,7 @@ struct Looked {
 }
 
 /// The glints of all lamps by way, by rays through a lattice moved by `shift`.
-pub(crate) fn find_by_way(
+pub fn find_by_way(
     (world, scene): (&World, &Scene),
     search: Search<'_>,
     shift: [u64; 2],

@@ -1,21 +1,21 @@
 //! From paths that meet a lamp to the parallelogram about its image, and from a guess at that to one that holds all of it.
 
 use super::Way;
-use crate::base::lattice::lattice;
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::disk;
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Travel, Walker};
-use crate::film::glint::Glint;
-use crate::plan::pilots::chains::SEED;
-use crate::plan::pilots::tuning::glint_pilot::{
+use crate::pilots::chains::SEED;
+use crate::pilots::tuning::glint_pilot::{
     ASTRAY, AT_RIM, ENOUGH, FEWEST, GROWN, LEAST_PIXELS, LONG, MARGIN, MOST_PIECES, RAYS_TO_FIT, ROUNDS, THIN,
 };
-use crate::world::World;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
-use crate::world::mode::Mono;
-use crate::world::optics::Optics;
+use eyebox_base::lattice::lattice;
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp::disk;
+use eyebox_estimate::ledger::Ledger;
+use eyebox_estimate::walk::{Travel, Walker};
+use eyebox_film::glint::Glint;
+use eyebox_world::World;
+use eyebox_world::geometry::Ray;
+use eyebox_world::interior::Interior;
+use eyebox_world::mode::Mono;
+use eyebox_world::optics::Optics;
 use glam::{DMat2, DVec2};
 
 /// A path that meets a lamp: places in the picture, tangents, and in the pupil, radii.

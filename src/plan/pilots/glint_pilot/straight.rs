@@ -3,17 +3,17 @@
 
 use super::fit::{Moves, Seen, about, alike, meets, pieces, settle};
 use super::{Wants, Way};
-use crate::base::chain::Chain;
-use crate::base::lattice::lattice;
-use crate::base::warp::{BELOW_ONE, disk};
-use crate::estimate::ShouldStop;
-use crate::film::glint::Glint;
-use crate::film::unseen::Hidden;
-use crate::plan::pilots::tuning::glint_pilot::{ENOUGH, FIRST, JOINED, MOST_JOINED, MOST_TRIANGLES, ROUNDED};
-use crate::world::World;
-use crate::world::lamp::Lamp;
-use crate::world::mode::Mono;
-use crate::world::optics::Optics;
+use crate::pilots::tuning::glint_pilot::{ENOUGH, FIRST, JOINED, MOST_JOINED, MOST_TRIANGLES, ROUNDED};
+use eyebox_base::chain::Chain;
+use eyebox_base::lattice::lattice;
+use eyebox_base::warp::{BELOW_ONE, disk};
+use eyebox_estimate::ShouldStop;
+use eyebox_film::glint::Glint;
+use eyebox_film::unseen::Hidden;
+use eyebox_world::World;
+use eyebox_world::lamp::Lamp;
+use eyebox_world::mode::Mono;
+use eyebox_world::optics::Optics;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 

@@ -4,7 +4,7 @@ use super::super::tuning::charts::SHARE;
 use super::super::{Line, Position, Scan};
 use super::sheet::Sheet;
 use super::{COLOURS, Chart, round_down};
-use crate::estimate::virtual_image::image::ideal;
+use eyebox_estimate::virtual_image::image::ideal;
 use glam::{DVec2, DVec3};
 
 /// Points that are seen: cell, direction, and that of the best affine picture; degrees.

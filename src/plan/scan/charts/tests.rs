@@ -1,9 +1,9 @@
 use super::super::ghosts::Ghost;
 use super::super::{Line, Scan};
 use super::*;
-use crate::estimate::virtual_image::ghosts::GhostPoint;
-use crate::estimate::virtual_image::image::{Vergence, distortion};
-use crate::estimate::virtual_image::subject::Kind;
+use eyebox_estimate::virtual_image::ghosts::GhostPoint;
+use eyebox_estimate::virtual_image::image::{Vergence, distortion};
+use eyebox_estimate::virtual_image::subject::Kind;
 use glam::{DVec2, DVec3};
 
 const HOSTILE: &str = "</svg><img src=x onerror=\"alert(1)\">{{data}}\u{7}";

@@ -1,10 +1,10 @@
 //! Attributes → USD properties.
 
 use super::{Entry, Level, NAMESPACE, UsdProperty, UsdValue, entry, keys, unsaid, whole};
-use crate::base::error::Result;
-use crate::base::{Code, Error};
-use crate::scene::attribute::{self, Form, Noun, Row, union};
-use crate::scene::value::{Data, Value};
+use crate::attribute::{self, Form, Noun, Row, union};
+use crate::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error};
 
 /// The USD properties of a table of attributes: of a node, a material, a face, or of the asset's root (with `version`,
 /// `unit`, `wavelengths`, `sky`, `eye`, `default`). The asset's lists (`media`, `coatings`, …) have no place in USD.

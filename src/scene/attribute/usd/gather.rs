@@ -1,10 +1,10 @@
 //! USD properties → attributes.
 
 use super::{Entry, Level, NAMESPACE, UsdProperty, UsdType, UsdValue, entry, keys, layout, unsaid, whole};
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
-use crate::scene::attribute::{self, Form, Noun, Row, kinds};
-use crate::scene::value::{Data, Value};
+use crate::attribute::{self, Form, Noun, Row, kinds};
+use crate::value::{Data, Value};
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
@@ -57,7 +57,7 @@ impl<'a> Pool<'a> {
             }));
         }
         let prefix = name.strip_suffix(bare).unwrap_or("");
-        let nearest = crate::base::error::nearest_name(bare, known.iter().map(String::as_str));
+        let nearest = eyebox_base::error::nearest_name(bare, known.iter().map(String::as_str));
         let mut fault = Error::new(at, format!("unknown property `{}`", property.name)).code(Code::AttributeUnknown);
         fault.nearest = nearest.map(|name| format!("{NAMESPACE}{prefix}{name}"));
         Err(fault)

@@ -1,7 +1,7 @@
 //! Which USD properties the rows have: for schemas, and to name the nearest valid one.
 
 use super::UsdType;
-use crate::scene::attribute::{Form, Noun, Row, kinds, own_rows, row};
+use crate::attribute::{Form, Noun, Row, kinds, own_rows, row};
 
 /// A property that a noun can have.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,7 +105,7 @@ fn add(row: &'static Row, name: &str, out: &mut Vec<Property>) {
             below(fields, out);
         }
         Form::Kind => {
-            let named = crate::scene::attribute::named(row.noun) && row.name == row.noun.to_string();
+            let named = crate::attribute::named(row.noun) && row.name == row.noun.to_string();
             let all: Vec<&str> = kinds(row.name).map(|kind| kind.name).collect();
             let also = if named { ", or the name of one that a sidecar defines" } else { "" };
             let doc = format!("{}: {}{also}", row.doc, all.join(", "));

@@ -2,8 +2,8 @@
 
 use super::layout::known;
 use super::*;
-use crate::scene::attribute::{Form, ROWS, arbitrary};
-use crate::scene::value::{Data, Value};
+use crate::attribute::{Form, ROWS, arbitrary};
+use crate::value::{Data, Value};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 

@@ -6,8 +6,8 @@
 //! last of them; one of 1 has for each value the step of its exponent of ten, and its digits. A text is its length and UTF-8.
 //! Numbers are seven bits a byte, lowest first; those with a sign have it in the lowest bit.
 
-use crate::scene::glass::Glass;
-use crate::scene::{Dispersion, Formula, FormulaKind};
+use crate::glass::Glass;
+use crate::{Dispersion, Formula, FormulaKind};
 
 /// An extinction below which a body of some tenths of a millimetre still lets light through.
 const CLEAR: f64 = 1e-4;

@@ -199,7 +199,7 @@ impl Halves {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::rng::{Rng, Stream};
+    use eyebox_base::rng::{Rng, Stream};
     use glam::Vec3A;
     use std::collections::HashMap;
 

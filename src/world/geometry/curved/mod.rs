@@ -12,7 +12,7 @@ mod tests;
 
 use super::bound::Bounds;
 use super::patch::Shear;
-use crate::scene::Shape;
+use eyebox_scene::Shape;
 use glam::{DMat3, DVec3};
 use height::{Height, orders};
 use round::{Cylinder, Torus, signed_circle};

@@ -15,7 +15,7 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// As [`Quadric::intersect`](crate::world::geometry::exact::Quadric::intersect), of which this is the equation
+    /// As [`Quadric::intersect`](crate::geometry::exact::Quadric::intersect), of which this is the equation
     /// across x.
     pub fn intersect(&self, origin: DVec3, dir: DVec3, from_surface: bool) -> [f64; 2] {
         let (w, d) = (self.frame.local(origin), self.frame.turned(dir));

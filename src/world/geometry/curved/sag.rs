@@ -4,7 +4,7 @@ use super::Gradient;
 use super::height::Height;
 use super::isolate::{Bent, roots};
 use super::number::{InPlane, Interval, Num, Series, Slope};
-use crate::world::geometry::bound::Bounds;
+use crate::geometry::bound::Bounds;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

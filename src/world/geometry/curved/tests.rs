@@ -2,12 +2,12 @@
 //! against trying every triangle.
 
 use super::Curved;
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp;
-use crate::scene::Shape;
-use crate::world::geometry::brute_tests::check;
-use crate::world::geometry::scenes::{Builder, part, random_ray, scene};
-use crate::world::geometry::{Geometry, Ray};
+use crate::geometry::brute_tests::check;
+use crate::geometry::scenes::{Builder, part, random_ray, scene};
+use crate::geometry::{Geometry, Ray};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::warp;
+use eyebox_scene::Shape;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
@@ -478,7 +478,7 @@ fn tube(torus: bool) -> (Builder, Shape) {
 }
 
 /// All kinds of faces, with grids and without, moved, turned, mirrored, scaled.
-fn assembly(place: DAffine3) -> crate::scene::Scene {
+fn assembly(place: DAffine3) -> eyebox_scene::Scene {
     let mut meshes = Vec::new();
     let mut parts = Vec::new();
     let mut add = |builder: Builder, shapes: &[Shape], size: f64| {
@@ -503,7 +503,7 @@ fn assembly(place: DAffine3) -> crate::scene::Scene {
         let by = DVec3::new(0.0, 0.0, 0.4 * list.len() as f64);
         let own = face(&shape, half, 4).mesh;
         let vertices: Vec<(DVec3, DVec3)> =
-            own.positions.iter().map(|p| (crate::world::geometry::patch::vertex(*p) + by, DVec3::ZERO)).collect();
+            own.positions.iter().map(|p| (crate::geometry::patch::vertex(*p) + by, DVec3::ZERO)).collect();
         many.face(&vertices, &own.triangles);
         let mut moved = shape.clone();
         match &mut moved {
@@ -556,7 +556,7 @@ fn every_triangle_is_met() {
     for (index, part) in scene.parts.iter().enumerate() {
         for triangle in 0..scene.mesh(part.mesh).triangles.len() as u32 {
             for _ in 0..6 {
-                let site = crate::world::geometry::Site { part: index as u32, face: 0, triangle };
+                let site = crate::geometry::Site { part: index as u32, face: 0, triangle };
                 let weights = warp::triangle(rng.pair());
                 let aim: DVec3 = (0..3).map(|k| geometry.corner(&scene, site, k) * weights[k]).sum();
                 let dir = warp::sphere(rng.pair());
@@ -718,7 +718,7 @@ fn edges_and_rims() {
         let mut rng = Rng::new(69, Stream::Check, 0, 0);
         let (vertex, u, v, axis) = frame(&shape);
         let vertices: Vec<DVec2> = (mesh.positions.iter())
-            .map(|p| crate::world::geometry::patch::vertex(*p) - vertex)
+            .map(|p| crate::geometry::patch::vertex(*p) - vertex)
             .map(|q| DVec2::new(q.dot(u), q.dot(v)))
             .collect();
         let mut aim = |at: DVec2, inside: bool| {

@@ -6,9 +6,9 @@
 //! B that of facets which reflect t. A third column is of facets that reflect cos·(1 − cos)⁶: what the edge of a metal lacks.
 
 use super::lobe::Lobe;
-use crate::base::Complex;
-pub use crate::scene::LEAST_ALPHA;
-use crate::world::fresnel::fresnel;
+use crate::fresnel::fresnel;
+use eyebox_base::Complex;
+pub use eyebox_scene::LEAST_ALPHA;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::Hash;

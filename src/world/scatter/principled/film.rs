@@ -7,8 +7,8 @@
 
 use super::energy::{Known, alpha, cosine, mix, once, place, weigh_by};
 use super::lobe::Lobe;
-use crate::base::colour::{XYZ_TO_REC709, apply, cmf, d65, lookup};
-use crate::scene::{Film, Scalar};
+use eyebox_base::colour::{XYZ_TO_REC709, apply, cmf, d65, lookup};
+use eyebox_scene::{Film, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, LazyLock, Mutex};
@@ -209,7 +209,7 @@ mod tests {
         for (ior, nm) in [(1.4, 0.0), (1.5, 400.0)] {
             let table = Interference::of(&film(ior, nm), 0.04);
             for cos in [1.0, 0.7, 0.3] {
-                let want = crate::world::fresnel::fresnel(1.0, crate::base::Complex::real(1.5), cos).reflectance();
+                let want = crate::fresnel::fresnel(1.0, eyebox_base::Complex::real(1.5), cos).reflectance();
                 let got = table.at(nm, 0.04, cos);
                 assert!(got.iter().all(|lane| (lane - want).abs() < 2e-3), "{ior} {nm} {cos}: {got:?} for {want}");
             }

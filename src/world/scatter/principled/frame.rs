@@ -2,9 +2,9 @@
 
 use super::Principled;
 use super::point::{Weights, between, coordinates, corners, positions};
-use crate::scene::{Anisotropy, TextureInput};
-use crate::world::geometry::Hit;
-use crate::world::texture::{Coordinates, of_set, read};
+use crate::geometry::Hit;
+use crate::texture::{Coordinates, of_set, read};
+use eyebox_scene::{Anisotropy, TextureInput};
 use glam::{DAffine3, DVec3};
 
 impl Principled {

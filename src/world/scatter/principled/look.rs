@@ -3,7 +3,7 @@
 use super::energy;
 use super::film::FilmLook;
 use super::lobe::{Lobe, Stretch};
-use crate::base::warp::Frame;
+use eyebox_base::warp::Frame;
 use glam::DVec3;
 
 /// Its colours.

@@ -31,11 +31,11 @@ pub use look::Look;
 pub use point::Point;
 
 use super::{Sampled, mirrored};
-use crate::base::Shared;
-use crate::base::warp::{Frame, cosine_hemisphere};
-use crate::scene::StandardSurface;
-use crate::scene::mesh::Mesh;
 use energy::Energy;
+use eyebox_base::Shared;
+use eyebox_base::warp::{Frame, cosine_hemisphere};
+use eyebox_scene::StandardSurface;
+use eyebox_scene::mesh::Mesh;
 use film::Interference;
 use glam::DVec3;
 use lobe::Lobe;

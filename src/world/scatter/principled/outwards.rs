@@ -3,7 +3,7 @@
 use super::Principled;
 use super::look::Look;
 use super::point::{Point, Weights, between, coordinates, corners, of_vertices};
-use crate::world::geometry::Hit;
+use crate::geometry::Hit;
 use glam::DVec3;
 
 impl Principled {

@@ -6,10 +6,10 @@ use super::film::FilmLook;
 use super::lobe::Stretch;
 use super::look::{Look, Tint, facets};
 use super::sheen::sheen_alpha;
-use crate::base::warp::Frame;
-use crate::scene::{CoatNormal, Mesh, Opacity, StandardSurface};
-use crate::world::geometry::Hit;
-use crate::world::texture::Coordinates;
+use crate::geometry::Hit;
+use crate::texture::{Coordinates, colour_at, scalar_at};
+use eyebox_base::warp::Frame;
+use eyebox_scene::{CoatNormal, Mesh, Opacity, StandardSurface};
 use glam::{DAffine3, DVec3};
 
 /// A standard surface at a place: its colours in linear Rec.709, its numbers.
@@ -108,7 +108,7 @@ impl Point {
     /// Where no texture says anything.
     pub fn plain(surface: &StandardSurface) -> Point {
         // Factors alone: a texture counts as white.
-        let strip = |scalar: &crate::scene::Scalar| scalar.factor;
+        let strip = |scalar: &eyebox_scene::Scalar| scalar.factor;
         let alpha = match &surface.opacity {
             Opacity::Opaque => 1.0,
             Opacity::Mask { alpha, cutoff } => f64::from(alpha.factor >= *cutoff),
@@ -120,21 +120,21 @@ impl Point {
     pub(super) fn new(surface: &StandardSurface, uv: &Coordinates, colour: [f64; 4]) -> Point {
         let alpha = match &surface.opacity {
             Opacity::Opaque => 1.0,
-            Opacity::Mask { alpha, cutoff } => f64::from(alpha.at(uv) * colour[3] >= *cutoff),
-            Opacity::Blend { alpha } => alpha.at(uv) * colour[3],
+            Opacity::Mask { alpha, cutoff } => f64::from(scalar_at(alpha, uv) * colour[3] >= *cutoff),
+            Opacity::Blend { alpha } => scalar_at(alpha, uv) * colour[3],
         };
-        Point::of(surface, &|scalar| scalar.at(uv), &|found| found.at(uv), colour, alpha)
+        Point::of(surface, &|scalar| scalar_at(scalar, uv), &|found| colour_at(found, uv), colour, alpha)
     }
 
     fn of(
         surface: &StandardSurface,
-        number: &dyn Fn(&crate::scene::Scalar) -> f64,
-        colour: &dyn Fn(&crate::scene::Colour) -> [f64; 3],
+        number: &dyn Fn(&eyebox_scene::Scalar) -> f64,
+        colour: &dyn Fn(&eyebox_scene::Colour) -> [f64; 3],
         [r, g, b, _]: [f64; 4],
         alpha: f64,
     ) -> Point {
-        let share = |scalar: &crate::scene::Scalar| number(scalar).clamp(0.0, 1.0);
-        let shares = |found: &crate::scene::Colour| colour(found).map(|c| c.clamp(0.0, 1.0));
+        let share = |scalar: &eyebox_scene::Scalar| number(scalar).clamp(0.0, 1.0);
+        let shares = |found: &eyebox_scene::Colour| colour(found).map(|c| c.clamp(0.0, 1.0));
         let base = colour(&surface.base_color);
         let white = Tint { base: 1.0, specular: 1.0, through: 1.0, sheen: 1.0, coat: 1.0, edge: 1.0 };
         let alpha_of_facets = facets(share(&surface.roughness));

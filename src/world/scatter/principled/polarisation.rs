@@ -4,9 +4,9 @@
 
 use super::look::Look;
 use super::{Principled, coat_facets};
-use crate::base::Complex;
-use crate::world::fresnel::fresnel_turning;
-use crate::world::stokes::Facets;
+use crate::fresnel::fresnel_turning;
+use crate::stokes::Facets;
+use eyebox_base::Complex;
 use glam::DVec3;
 
 impl Principled {

@@ -2,7 +2,7 @@
 
 use super::energy::{Known, LEAST_ALPHA, Tally, alpha, cosine, mix, once, place, weigh};
 use super::lobe::{Lobe, Stretch};
-use crate::scene::AnisotropyLaw;
+use eyebox_scene::AnisotropyLaw;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, LazyLock, Mutex};

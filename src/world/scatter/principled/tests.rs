@@ -2,9 +2,9 @@ use super::super::tests::{Case, are_reciprocal, incoming, samples_follow};
 use super::super::{Scatter, Sides};
 use super::look::lacks;
 use super::*;
-use crate::base::rng::{Rng, Stream};
-use crate::base::stats::{Moments, sidak_z};
-use crate::scene::{Anisotropy, AnisotropyLaw, Colour, Film, Scalar};
+use eyebox_base::rng::{Rng, Stream};
+use eyebox_base::stats::{Moments, sidak_z};
+use eyebox_scene::{Anisotropy, AnisotropyLaw, Colour, Film, Scalar};
 
 fn principled(surface: StandardSurface) -> (Principled, Look) {
     let principled = Principled::new(surface.into(), Mesh::default().into());

@@ -35,11 +35,11 @@ mod veil;
 pub mod wavelengths;
 pub mod web;
 
-use crate::base::Result;
-use crate::base::lpe::{Letter, MOST_SLIDES, Product};
-use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
+use eyebox_base::Result;
+use eyebox_base::lpe::{Letter, MOST_SLIDES, Product};
+use eyebox_scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use geometry::{Geometry, Hit, Ray, Site};
 use glam::DVec3;
 use interior::{Interior, Solid};
@@ -90,12 +90,12 @@ pub struct World {
     /// the others by.
     pub plain: bool,
     /// A fault that a test plants in the walk, to see that the balances find it.
-    #[cfg(test)]
+    #[cfg(any(test, feature = "testing"))]
     pub planted: Planted,
 }
 
 /// What a test breaks on purpose.
-#[cfg(test)]
+#[cfg(any(test, feature = "testing"))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Planted {
     #[default]
@@ -155,12 +155,12 @@ impl World {
         let around_eye = geometry.solids_containing(scene.eye.position - geometry.origin());
         if let Some(part) = around_eye.first() {
             let path = &scene.parts[*part as usize].path;
-            return Err(crate::base::Error::new(
-                crate::base::Where::part(path),
+            return Err(eyebox_base::Error::new(
+                eyebox_base::Where::part(path),
                 format!("the eye is inside this solid (pupil centre at {} m)", scene.eye.position),
             )
             .expected("an eye in air")
-            .code(crate::base::Code::EyeInSolid));
+            .code(eyebox_base::Code::EyeInSolid));
         }
         let lights = Lights::build(scene, geometry.origin(), reach(&geometry, &eye, scene.eye.pupil_diameter_m))?;
         // A distant lamp starts outside of everything.
@@ -202,7 +202,7 @@ impl World {
             wavelength_nm,
             sieve: None,
             plain: false,
-            #[cfg(test)]
+            #[cfg(any(test, feature = "testing"))]
             planted: Planted::Nothing,
         })
     }
@@ -277,7 +277,7 @@ impl World {
             wavelength_nm: self.wavelength_nm,
             sieve: self.sieve.clone(),
             plain: self.plain,
-            #[cfg(test)]
+            #[cfg(any(test, feature = "testing"))]
             planted: self.planted,
         })
     }

@@ -13,11 +13,11 @@ pub mod sensor;
 pub mod tolerance;
 mod tuning;
 
-use crate::base::{Error, Result, Where};
-use crate::check::Checked;
-use crate::estimate::ShouldStop;
-use crate::film::plan::{Estimator, Plan, Verdict};
-use crate::world::World;
+use eyebox_base::{Error, Result, Where};
+use eyebox_check::Checked;
+use eyebox_estimate::ShouldStop;
+use eyebox_film::plan::{Estimator, Plan, Verdict};
+use eyebox_world::World;
 use pilots::pilot_cache::PilotCache;
 use planner::Planner;
 use selection::{Handicap, facts};

@@ -1,4 +1,4 @@
-//! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](crate::import); after that nobody can
+//! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](eyebox_import); after that nobody can
 //! tell which format an assembly came from. Lengths of the world are metres; a mesh keeps the units of its file.
 
 mod abg; // scatter of polished surfaces
@@ -53,8 +53,8 @@ pub use surface::{Anisotropy, AnisotropyLaw, CoatNormal, Film, LEAST_ALPHA, Opac
 pub use texture::{Colour, Scalar, Texture, TextureInput};
 pub use wave_plate::{Retardance, WavePlate};
 
-use crate::base::Shared;
-use crate::base::ids::{
+use eyebox_base::Shared;
+use eyebox_base::ids::{
     CoatingId, GratingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId, SurfaceId, WavePlateId,
 };
 

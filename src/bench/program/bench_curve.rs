@@ -1,18 +1,18 @@
 //! `eyebox bench ASSET…`: time against error.
 
-use super::print_text;
-use super::progress::Signals;
-use super::render_args::parse_resolution;
-use super::source::sets;
-use super::threads::pool;
-use crate::base::atomic::{check_writable, write_atomic};
-use crate::base::{Error, Result, Where};
-use crate::bench::curve::asset::{Form, Task, measure};
-use crate::bench::curve::race::Budget;
-use crate::bench::curve::reference::Source;
-use crate::bench::curve::{Report, contenders, name};
-use crate::plan::Choice;
 use clap::Args;
+use eyebox::cmd::printer::print_text;
+use eyebox::cmd::progress::Signals;
+use eyebox::cmd::render_args::parse_resolution;
+use eyebox::cmd::source::sets;
+use eyebox::cmd::threads::pool;
+use eyebox_base::atomic::{check_writable, write_atomic};
+use eyebox_base::{Error, Result, Where};
+use eyebox_bench::curve::asset::{Form, Task, measure};
+use eyebox_bench::curve::race::Budget;
+use eyebox_bench::curve::reference::Source;
+use eyebox_bench::curve::{Report, contenders, name};
+use eyebox_plan::Choice;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

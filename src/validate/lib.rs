@@ -15,19 +15,19 @@ pub mod report; // the formats
 pub mod rules; // the registry of all rules
 pub mod stdin; // an asset on standard input
 
-use crate::base::relative_path::{relative, slashed};
-use crate::base::{Code, Error, Result};
-use crate::check::finding::{Finding, Level};
-use crate::check::geometry::EdgesOfMeshes;
-use crate::check::rule::Rule;
-use crate::check::subject::{Refusal, Stage, Subject};
-use crate::import::ReadOptions;
-use crate::scene::{Note, Scene, Severity};
-use crate::world::World;
-use crate::world::eye::EyeLens;
-use crate::world::geometry::Geometry;
 use baseline::Known;
 use config::Config;
+use eyebox_base::relative_path::{relative, slashed};
+use eyebox_base::{Code, Error, Result};
+use eyebox_check::finding::{Finding, Level};
+use eyebox_check::geometry::EdgesOfMeshes;
+use eyebox_check::rule::Rule;
+use eyebox_check::subject::{Refusal, Stage, Subject};
+use eyebox_import::ReadOptions;
+use eyebox_scene::{Note, Scene, Severity};
+use eyebox_world::World;
+use eyebox_world::eye::EyeLens;
+use eyebox_world::geometry::Geometry;
 use fingerprint::Named;
 use locate::{Locator, Place};
 use std::collections::BTreeSet;
@@ -167,7 +167,7 @@ pub fn findings(asset: &Path) -> Vec<Finding> {
 impl read::Examined {
     fn findings(&self) -> Vec<Finding> {
         let mut found = Vec::new();
-        let empty = crate::scene::assembly::Assembly { file: self.file.clone(), ..Default::default() };
+        let empty = eyebox_scene::assembly::Assembly { file: self.file.clone(), ..Default::default() };
         let assembly = self.assembly.as_ref().unwrap_or(&empty);
         // Without a scene, rules that look at the asset's own lists still can.
         let nothing = read::no_scene();
@@ -189,7 +189,7 @@ impl read::Examined {
             let level = (rule.grade)(rule, &subject, note);
             found.push(Finding { level, ..rule.at(note.at.clone(), note.text.clone()) });
         }
-        for rule in crate::check::rules::RULES {
+        for rule in eyebox_check::rules::RULES {
             found.extend((rule.find)(&subject));
         }
         if subject.whole {
@@ -202,7 +202,7 @@ impl read::Examined {
 /// What the rules that trace find, or why nothing can be traced.
 fn traced(subject: &Subject<'_>) -> Vec<Finding> {
     let refuse = |fault| refused(&Refusal { stage: Stage::Freeze, fault }).into_iter().collect();
-    let checked = match crate::check::check(subject.scene) {
+    let checked = match eyebox_check::check(subject.scene) {
         Ok(checked) => checked,
         Err(fault) => return refuse(fault),
     };

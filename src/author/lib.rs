@@ -7,11 +7,11 @@ pub mod schema; // JSON and USD schemas from the attribute table
 mod tracks; // which frames of a motion are written
 pub mod usd; // .usda, .usdc and .usdz
 
-use crate::base::error::Result;
-use crate::base::{Error, Where};
-use crate::scene::Note;
-use crate::scene::annotation::Annotation;
-use crate::scene::assembly::Assembly;
+use eyebox_base::error::Result;
+use eyebox_base::{Error, Where};
+use eyebox_scene::Note;
+use eyebox_scene::annotation::Annotation;
+use eyebox_scene::assembly::Assembly;
 use std::path::{Path, PathBuf};
 
 /// What was written.

@@ -1,18 +1,18 @@
 //! `eyebox bench --generate A..B` and `eyebox bench ASSET --error REL`: is the choice right, is the stated error true?
 
-use super::bench_curve::CurveArgs;
-use super::print_text;
-use super::progress::Signals;
-use crate::base::document::document;
-use crate::base::{Error, Result, Where};
-use crate::bench::agreement::{self, Summary};
-use crate::bench::choice::{head, judge, line};
-use crate::bench::curve::asset::Form;
-use crate::bench::curve::race::Budget;
-use crate::bench::generate::{Families, Family, scene_of};
-use crate::bench::stated::{Stated, measure, measure_scene};
-use crate::estimate::ShouldStop;
+use crate::bench_curve::CurveArgs;
 use clap::Args;
+use eyebox::cmd::printer::print_text;
+use eyebox::cmd::progress::Signals;
+use eyebox_base::document::document;
+use eyebox_base::{Error, Result, Where};
+use eyebox_bench::agreement::{self, Summary};
+use eyebox_bench::choice::{head, judge, line};
+use eyebox_bench::curve::asset::Form;
+use eyebox_bench::curve::race::Budget;
+use eyebox_bench::generate::{Families, Family, scene_of};
+use eyebox_bench::stated::{Stated, measure, measure_scene};
+use eyebox_estimate::ShouldStop;
 use std::ops::Range;
 use std::process::ExitCode;
 use std::str::FromStr;

@@ -9,10 +9,10 @@ pub mod rule;
 pub mod rules; // one file each
 pub mod subject; // what rules look at
 
-use crate::base::ids::WavePlateId;
-use crate::base::{Code, Error, Result, Where};
-use crate::film::names::{self, Clash};
-use crate::scene::{AbgLaw, Finish, Scene};
+use eyebox_base::ids::WavePlateId;
+use eyebox_base::{Code, Error, Result, Where};
+use eyebox_film::names::{self, Clash};
+use eyebox_scene::{AbgLaw, Finish, Scene};
 use glam::DVec3;
 
 /// What a scene has.
@@ -208,7 +208,7 @@ fn check_eye(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &crate::scene::Face) -> Result<()> {
+fn check_face(scene: &Scene, part: &eyebox_scene::Part, index: usize, face: &eyebox_scene::Face) -> Result<()> {
     let at = || Where::Part { path: part.path.clone(), face: Some(index) };
     match face.finish {
         Finish::Lambert { reflectance, transmittance }

@@ -1,4 +1,4 @@
-//! Floor 2: from files to a [`Scene`](crate::scene::Scene). A format reader fills an [`Assembly`]; the attribute
+//! Floor 2: from files to a [`Scene`](eyebox_scene::Scene). A format reader fills an [`Assembly`]; the attribute
 //! vocabulary, the sidecar and the binding rules turn it into a scene, the same for every format.
 
 pub mod agf; // catalogues of glasses from files
@@ -14,7 +14,7 @@ pub mod deps; // the files that an asset needs
 mod enclosed; // cameras that stand inside of things
 pub mod explain; // which line won
 mod faces; // parts and their faces from attributes
-pub(crate) mod files;
+pub mod files;
 pub mod fit; // exact surfaces from the points of a CAD face
 mod frames; // frames, the eye, fitted shapes
 pub mod gltf; // .gltf and .glb
@@ -40,8 +40,8 @@ mod skies; // the sky, read or made
 mod skinning; // joints that move vertices
 mod surfaces; // how ordinary materials look: their pictures are read
 pub mod template; // a sidecar to start from
-#[cfg(test)]
-pub mod testing;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing; // assemblies made by hand
 #[cfg(test)]
 mod tests;
 pub(crate) mod text; // text in any encoding
@@ -51,21 +51,21 @@ pub mod toml; // sidecars
 pub mod usd; // .usda, .usdc and .usdz
 mod variants; // --variant
 
-pub use crate::scene::assembly::{self, Assembly};
-pub use crate::scene::value::{self, Data, Value};
 pub use annotate::annotate;
 use build::build_within;
 pub use build::{Built, build};
 pub use deps::dependencies;
 pub use explain::Explained;
+pub use eyebox_scene::assembly::{self, Assembly};
+pub use eyebox_scene::value::{self, Data, Value};
 pub use moving::moving;
 pub use outline::{geometry, outline};
 pub use set::Set;
 pub use variants::VariantChoice;
 
-use crate::base::error::Result;
-use crate::base::{Code, Error, Where, weld};
-use crate::scene::Note;
+use eyebox_base::error::Result;
+use eyebox_base::{Code, Error, Where, weld};
+use eyebox_scene::Note;
 use std::path::{Path, PathBuf};
 
 /// A format of assemblies. A new one is a module with a reader and a line in [`FORMATS`].
