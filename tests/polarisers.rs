@@ -54,6 +54,31 @@ fn seen(s: &Scene, choice: Choice, polarisation: Polarisation, passes: u64) -> (
 
 const BACKWARD: Choice = Choice::Only(Estimator::Backward);
 
+/// Where light along −z that is polarised along x passes an axis at `alpha` in a sheet at 45° about x: what the sheet takes lies across the axis
+/// in it and is seen projected, and what passes is at right angles to that. Shares along and across.
+fn passed_at_45(alpha: f64) -> [f64; 2] {
+    let (sin, cos) = alpha.to_radians().sin_cos();
+    let beta = sin.atan2(cos * 0.5f64.sqrt());
+    [beta.cos().powi(2), beta.sin().powi(2)]
+}
+
+/// An absorbing film that is seen from the side: its absorption axis is what turns.
+#[test]
+fn a_tilted_polariser_parts_by_malus() {
+    for alpha in [0.0f64, 35.0, 90.0, 120.0] {
+        let mut s = narrow();
+        let (sin, cos) = alpha.to_radians().sin_cos();
+        let axis = DVec3::new(cos, sin, 0.0);
+        sheet(&mut s, -0.3, -45.0, Finish::Polariser { axis, transmittance: 0.85, extinction: 0.02 });
+        panel(&mut s, DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.6)), 0.05);
+        let [along, across] = passed_at_45(alpha);
+        let want = LUMINANCE * 0.85 * (along + 0.02 * across);
+        let (got, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 64);
+        println!("{alpha}°: {got} ± {sigma}, want {want}");
+        assert!((got - want).abs() < 4.0 * sigma + 2e-3 * want, "{alpha}°: {got} ± {sigma}, {want}");
+    }
+}
+
 /// A lamp of light polarised along x, by a sheet at 45° whose axis lies at `alpha` in it: the part across what is seen of the
 /// axis is reflected, and of a lamp behind the sheet the part along it goes through.
 #[test]
@@ -72,9 +97,7 @@ fn a_reflective_polariser_parts_by_malus() {
             DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.6))
         };
         panel(&mut s, place, 0.05);
-        // Across the ray the axis leans towards x.
-        let beta = (sin * 0.5f64.sqrt()).atan2(cos);
-        let (along, across) = (beta.cos().powi(2), beta.sin().powi(2));
+        let [along, across] = passed_at_45(alpha);
         let want = if above {
             LUMINANCE * (reflectance_leak * along + reflectance * across)
         } else {

@@ -10,7 +10,7 @@ use eyebox_base::path::Event;
 use eyebox_world::Planted;
 use eyebox_world::fresnel::{reflect, refract};
 use eyebox_world::mode::{LaneArray, Mode, lanes};
-use eyebox_world::sheet::{Incidence, ReflectivePolariser, Sheet};
+use eyebox_world::sheet::{Incidence, ReflectivePolariser, Sheet, passed};
 use eyebox_world::stokes::{Amount, Parted, Turning};
 use eyebox_world::surface::{Mirror, Surface};
 use glam::DVec3;
@@ -137,7 +137,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     pub(super) fn turn_at_splitter(&self, vertex: &Vertex, sheet: &ReflectivePolariser) -> SpecularEvent<M> {
         let dir = self.ray.dir;
         let to = self.world.geometry.part_to_world(vertex.hit.site.part).transform_vector3(sheet.axis);
-        let axis = M::Amount::axis_along(self.beam.axis(), dir, to);
+        let axis = M::Amount::axis_along(self.beam.axis(), dir, passed(to, dir, vertex.hit.normal));
         let turning = sheet.turning();
         let mut error = 0f64;
         let parted = lanes::<M, Parted<M::Amount>>(|lane| {

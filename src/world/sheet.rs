@@ -84,7 +84,11 @@ impl SheetFilm {
     /// Jones matrices without the losses at the surfaces (see [`WavePlate::waves_at`]).
     pub fn axis_for(&self, axis: DVec3, at: &Incidence) -> DVec3 {
         let own = self.in_plane(axis, at);
-        let FilmKind::Plate(WavePlate { indices: Some([n_o, _]), .. }) = &self.kind else { return own };
+        let n_o = match &self.kind {
+            FilmKind::Polariser { .. } => return passed(own, at.dir, at.normal),
+            FilmKind::Plate(WavePlate { indices: Some([n_o, _]), .. }) => n_o,
+            FilmKind::Retarder { .. } | FilmKind::Plate(WavePlate { indices: None, .. }) => return own,
+        };
         let Some(c) = (own - at.normal * own.dot(at.normal)).try_normalize() else { return own };
         let along = at.momentum();
         let Some(s) = at.normal.cross(at.dir).try_normalize() else { return c };
@@ -120,6 +124,19 @@ impl SheetFilm {
         };
         let power = PowerSp { r_s: 0.0, r_p: 0.0, t_s, t_p, a_s: 1.0 - t_s, a_p: 1.0 - t_p };
         Turning { power, reflected: Complex::ZERO, transmitted: phase }
+    }
+}
+
+/// The direction of the field that a polariser with this pass axis lets through, for light that runs along `dir`. Its molecules or wires
+/// absorb or reflect the field along themselves, so it is their axis that is seen projected across the ray, and what passes is at right
+/// angles to that: k × a, a the axis in the face across the pass axis (an O-type polariser: C. Gu, P. Yeh, J. Opt. Soc. Am. A 10,
+/// 966, 1993).
+pub fn passed(axis: DVec3, dir: DVec3, normal: DVec3) -> DVec3 {
+    let through = dir.cross(normal.cross(axis));
+    match through.length_squared() > 0.0 {
+        true => through * through.dot(axis).signum(),
+        // Light along its molecules meets none.
+        false => axis,
     }
 }
 

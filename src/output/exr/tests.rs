@@ -175,7 +175,7 @@ fn same_frame_same_bytes_in_other_processes() {
     for child in 0..4 {
         let path = directory.path().join(format!("{child}.exr"));
         let status = std::process::Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "output::exr::tests::same_frame_same_bytes_in_other_processes"])
+            .args(["--exact", "exr::tests::same_frame_same_bytes_in_other_processes"])
             .env(OUT, &path)
             .env("RAYON_NUM_THREADS", (child + 1).to_string())
             .stdout(std::process::Stdio::null())

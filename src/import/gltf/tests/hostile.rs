@@ -293,7 +293,7 @@ fn fuzz(original: &[u8], seed: u64, focus: usize) {
 
 #[test]
 fn fuzz_a_cad_export() {
-    let bytes = std::fs::read("samples/hud-direct/hud_direct.glb").unwrap();
+    let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../samples/hud-direct/hud_direct.glb")).unwrap();
     let json = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     fuzz(&bytes, 1, 20 + json);
 }
