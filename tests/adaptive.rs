@@ -31,6 +31,7 @@ fn adaptive((world, plan, groups): &(World, Plan, usize), error: f64) -> Films {
     drive(begin(world, plan, *groups, SIZE, 7), &limits, &mut ()).films
 }
 
+long! {
 /// Each pixel of each film holds the bits of a run of as many passes of all pixels. Several numbers of passes are met, and where
 /// lenses and a slide are looked at through, some pixels get eight times the passes of others.
 #[test]
@@ -61,6 +62,7 @@ fn pixels_hold_what_so_many_passes_give() {
         let of_connection = met.iter().filter(|(estimator, _)| *estimator == Estimator::Manifold).count();
         assert!(of_connection >= 3, "{path} {met:?}");
     }
+}
 }
 
 /// A first pass that is made part by part is the first pass, and until it is whole pixels show what near ones have.
@@ -105,6 +107,7 @@ fn a_first_pass_in_parts_is_the_first_pass() {
     assert_eq!(parts.films().relative_error(), even.films().relative_error());
 }
 
+long! {
 /// Where rounds are cut into blocks is the clock's doing: a witness looks at the same places whatever they are.
 #[test]
 fn a_witness_knows_nothing_of_blocks() {
@@ -127,7 +130,9 @@ fn a_witness_knows_nothing_of_blocks() {
     assert!(one.0 > 0, "no round was made");
     assert!(one == five && one == all, "{one:?}\n{five:?}\n{all:?}");
 }
+}
 
+long! {
 /// Threads, and where a run was killed and taken up again, change no byte of the file; `--adaptive off` does, and so does an
 /// asked number of passes, which all pixels get. The layer `work` says where passes went.
 #[test]
@@ -161,4 +166,5 @@ fn files_are_the_same_whatever_stops_a_run() {
     assert!(work.iter().any(|own| *own > 4.0) && work.iter().any(|own| *own < 1.0));
     assert!(even.rgb("work").is_none());
     assert!(ours.text("passesMean.manifold").is_some() || ours.number("passesMean.manifold").is_some());
+}
 }

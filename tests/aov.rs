@@ -296,6 +296,7 @@ fn pieces_are_the_run() {
     }
 }
 
+long! {
 /// What the plate's back face shows beside its front face: connection (solved for, and read from tables in the larger
 /// picture) knows of the same share as light tracing does of the direct HUD, and photons of the diffuse one.
 #[test]
@@ -328,4 +329,5 @@ fn a_ghost_is_the_same_for_all_estimators() {
             assert!(sigma < 0.02 * own.mean && own.mean > 0.02, "{name}: too noisy to tell");
         }
     }
+}
 }

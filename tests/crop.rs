@@ -49,6 +49,7 @@ fn assert_part(whole: &Frame, part: &Frame) {
     assert!(light > 0.0);
 }
 
+long! {
 #[test]
 fn a_part_has_the_bits_of_the_whole() {
     let folder = tempfile::tempdir().unwrap();
@@ -64,6 +65,7 @@ fn a_part_has_the_bits_of_the_whole() {
         let [whole, part] = ["whole.exr", "part.exr"].map(|name| read_exr(&path(name)).unwrap());
         assert_part(&whole, &part);
     }
+}
 }
 
 /// Shards of a part make up the part.

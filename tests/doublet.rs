@@ -266,6 +266,7 @@ fn the_coating_of_the_higher_priority_holds() {
     }
 }
 
+long! {
 /// The picture of a panel through the doublet from the eye and from the lamp, and its brightness near the axis.
 #[test]
 fn forward_is_backward_through_a_doublet() {
@@ -291,4 +292,5 @@ fn forward_is_backward_through_a_doublet() {
             assert!(got.loss.abs() < 1e-12 + 4.0 * got.loss_sigma && got.nan == 0, "gap {gap:e}: {got:?}");
         }
     }
+}
 }

@@ -42,6 +42,7 @@ fn findings(scene: &Scene, ready: &Ready<'_>) -> Vec<Finding> {
     looked.chain(TRACED.iter().flat_map(|traced| (traced.find)(&frozen))).collect()
 }
 
+long! {
 #[test]
 fn no_rule_finds_an_error_in_an_assembly() {
     for family in assemblies() {
@@ -61,6 +62,7 @@ fn no_rule_finds_an_error_in_an_assembly() {
         assert!(2 * warned <= SEEDS, "{}: {warned} of {SEEDS} with a warning", family.name());
     }
 }
+}
 
 /// Mean luminance by paths from the eye, and the share of pixels with light.
 fn seen(scene: &Scene, passes: u64) -> (f64, f64) {
@@ -75,6 +77,7 @@ fn seen(scene: &Scene, passes: u64) -> (f64, f64) {
     (light.mean, lit as f64 / picture.values.len() as f64)
 }
 
+long! {
 /// The display itself must be seen, so there is no sky.
 #[test]
 fn the_eye_sees_the_displays_of_nearly_all() {
@@ -94,6 +97,7 @@ fn the_eye_sees_the_displays_of_nearly_all() {
         }
         assert!(dark.len() <= 1, "{}: seeds {dark:?} are dark", family.name());
     }
+}
 }
 
 #[test]

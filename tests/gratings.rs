@@ -138,6 +138,7 @@ fn a_matched_pair_keeps_colours_together() {
     assert!(sigma < 0.03 * want && (got - want).abs() < 4.0 * sigma + 1e-3 * want, "{got} ± {sigma}, want {want}");
 }
 
+long! {
 /// A screen that a lamp lights past a grating, and past a reflective polariser: photons and whatever the plan chooses find what
 /// paths from the eye find, which meet the lamp by chance behind them.
 #[test]
@@ -186,4 +187,5 @@ fn a_screen_lit_through_a_grating_or_a_reflective_polariser() {
             assert!((a - b).abs() < 4.0 * s_a.hypot(s_b) + 5e-3 * b, "{choice:?}: {a} ± {s_a}, want {b} ± {s_b}");
         }
     }
+}
 }

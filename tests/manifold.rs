@@ -119,6 +119,7 @@ fn moments(scene: &Scene, choice: Choice, passes: u64, seeds: u64, only: Option<
     out
 }
 
+long! {
 /// Connection and what light tracing keeps are together what light tracing alone finds; what it keeps is little, so a path
 /// that both had would show.
 #[test]
@@ -142,7 +143,9 @@ fn what_connection_leaves_is_kept_by_light_tracing() {
         assert!(rest.mean < 0.02 * all.mean, "{path}: {} of {}", rest.mean, all.mean);
     }
 }
+}
 
+long! {
 /// Faces joined with lamps, and the photons that they leave, are together what photons alone bring.
 #[test]
 fn what_connection_leaves_is_kept_by_photons() {
@@ -164,7 +167,9 @@ fn what_connection_leaves_is_kept_by_photons() {
         assert!(photon.stderr() < 0.02 * photon.mean, "{path}: too noisy to tell");
     }
 }
+}
 
+long! {
 /// LEDs behind a pane whose front is rough and whose back is polished: the front is lit through the back, which stands
 /// before it for whoever looks from the lamps. Nearly all of what photons alone bring is connected.
 #[test]
@@ -178,6 +183,7 @@ fn a_rough_pane_is_connected_through_its_back() {
     assert!(z.abs() < 4.0, "z = {z}");
     assert!(photon.stderr() < 0.005 * photon.mean, "too noisy to tell");
     assert!(rest.mean < 0.02 * all.mean, "{} of {}", rest.mean, all.mean);
+}
 }
 
 /// A hair between the nodes of the tables that connections are read from is seen as in a picture that is too small to have
@@ -238,16 +244,20 @@ fn a_hair_is_seen(name: &str, pupil_m: Option<f64>, passes: [u64; 2]) {
     assert!(hair > 2.0 * bound, "the hair is not seen: {hair}");
 }
 
+long! {
 #[test]
 fn tables_hide_nothing() {
     a_hair_is_seen("hud-direct/hud.optics.toml", None, [16, 16]);
 }
+}
 
+long! {
 /// The same for tables of where rays from the eye land on a lit screen: its light fills the pupil, which has to be small for
 /// the hair to stay clear of nodes.
 #[test]
 fn glances_hide_nothing() {
     a_hair_is_seen("hud-diffuse/hud.optics.toml", Some(3e-4), [12, 6]);
+}
 }
 
 /// What photons bring counts as the eye sees it: a matt face shows what arrives on its own side, ρ/π of it wherever it

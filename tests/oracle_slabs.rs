@@ -52,6 +52,7 @@ fn check(what: &str, (got, sigma): (f64, f64), want: f64) {
     assert!((got - want).abs() < 4.0 * sigma + 1e-6, "{what}: {got} ± {sigma}, expected {want}");
 }
 
+long! {
 /// Mean reflectance and transmittance of the two polarisations, s and p apart, over what the plan decides by itself, what
 /// is asked for, and what a tracer without polarisation makes of it.
 #[test]
@@ -73,6 +74,7 @@ fn plates() {
         }
     }
     assert_eq!(seen, 21);
+}
 }
 
 /// The issue's own figures: one plate of n = 1.5168 at 60°, 0.844.

@@ -338,6 +338,7 @@ fn dies() -> Vec<[DVec3; 2]> {
     out
 }
 
+long! {
 /// The program: tables as text and JSON, files in the asset's units, a layer of one way, and what is refused.
 #[test]
 fn the_program_writes_rays_and_layers() {
@@ -424,6 +425,7 @@ fn the_program_writes_rays_and_layers() {
         let text = String::from_utf8_lossy(&out.stderr).into_owned();
         assert!(out.status.code() == Some(2) && text.contains(said) && text.trim_end().lines().count() == 1, "{text}");
     }
+}
 }
 
 /// `--threads` of every command that traces: its output is the same to the byte.

@@ -61,6 +61,7 @@ fn agrees(what: &str, got: &Moments, want: f64, sigma: f64, most_noise: f64) {
     assert!(z.abs() < 4.0, "{what}: {} ± {noise}, expected {want} ± {sigma}: z = {z}", got.mean);
 }
 
+long! {
 #[test]
 fn a1_led_ball_screen() {
     let [direct, caustic, secondary, _, all] = means(&peer("a1", 64), 48, 8);
@@ -71,10 +72,12 @@ fn a1_led_ball_screen() {
     agrees("A1 caustic", &caustic, 11.053, 0.005, 5e-3);
     agrees("A1 secondary", &secondary, 2.861, 0.003, 5e-3);
 }
+}
 
 /// Rows and columns of 128 × 128 pixels about the focus of A1.
 const FOCUS: [std::ops::Range<usize>; 2] = [48..64, 56..72];
 
+long! {
 /// The focus is some two pixels wide. Photons gathered over two pixels made a picture of 40 passes a quarter off.
 #[test]
 fn the_focus_of_a1_is_sharp() {
@@ -98,7 +101,9 @@ fn the_focus_of_a1_is_sharp() {
     let [brought, there] = [one.iter().chain(&other).sum::<f64>() / 2.0, want.iter().sum()];
     assert!((brought / there - 1.0).abs() < 0.03, "{brought} of {there}: sharp, and no light more or less");
 }
+}
 
+long! {
 #[test]
 fn a2_through_a_second_ball() {
     let [direct, caustic, secondary, _, all] = means(&peer("a2", 64), 24, 8);
@@ -109,11 +114,13 @@ fn a2_through_a_second_ball() {
     agrees("A2 caustic", &caustic, 33.284, 0.006, 5e-3);
     agrees("A2 secondary", &secondary, 2.6325, 0.003, 1e-2);
 }
+}
 
 /// Rows and columns of 128 × 128 pixels about the focus of A2: there light is smooth, some cells of the wall are connected,
 /// others left to photons.
 const WALL: [std::ops::Range<usize>; 2] = [60..100, 45..90];
 
+long! {
 /// Photons that belonged to where they landed drew the borders of cells that are connected: they brought too little on the one
 /// side (up to 36 % less after 20 passes), and too much on the other.
 #[test]
@@ -139,10 +146,13 @@ fn borders_of_cells_are_not_seen_in_a2() {
     let sigma = noise / (one.len() as f64).sqrt();
     assert!(sigma < 1.5e-4 && differ < 6e-4, "squares of difference {differ} ± {sigma}");
 }
+}
 
+long! {
 #[test]
 fn b_lens_into_the_pupil() {
     let [direct, _, _, forward, _] = means(&peer("b", 64), 24, 8);
     agrees("B mean", &forward, 17880.0, 5.0, 5e-3);
     assert_eq!(direct.mean, 0.0);
+}
 }

@@ -176,6 +176,7 @@ fn backward_and_forward_agree_and_the_test_bites() {
     assert!(worst > bound, "a bias of 2 % must be found: {worst} of {bound}");
 }
 
+long! {
 #[test]
 fn photons_agree_with_backward() {
     let s = ball_and_screen();
@@ -189,6 +190,7 @@ fn photons_agree_with_backward() {
     assert!((m - p).abs() < 4.0 * sigma.hypot(p_sigma), "means {m} ± {sigma}, {p} ± {p_sigma}");
     let (worst, bound) = worst_z(&block_z(&backward, &photon, 12, 3), 1e-3);
     assert!(worst < bound, "{worst} of {bound}");
+}
 }
 
 /// A pinhole sees a small lamp in two curved mirrors and, blurred by nothing, far smaller than a pixel. Points that are
@@ -268,6 +270,7 @@ fn a_pupil_sees_a_lamp_in_a_part_of_it() {
     assert!(worst < bound, "{worst} of {bound}");
 }
 
+long! {
 /// Where a wall crosses a floor a photon's kernel reaches behind both, where it is dark. Without [`Rims::around`]'s seams
 /// the two rows of pixels along the line were 3 % too dark.
 #[test]
@@ -294,6 +297,7 @@ fn photons_by_a_wall_that_crosses_the_floor() {
     eprintln!("backward {m} ± {sigma}, photons {p} ± {p_sigma}");
     assert!(sigma.hypot(p_sigma) / m < 3e-3, "{m} ± {sigma}, {p} ± {p_sigma}");
     assert!((m - p).abs() < 4.0 * sigma.hypot(p_sigma), "{m} ± {sigma}, {p} ± {p_sigma}");
+}
 }
 
 /// Every emitted lumen is found again among the fates, each counted where it happens. That a planted leak turns this
@@ -359,4 +363,12 @@ fn a_mirror_shows_the_panel() {
     for (value, _) in image(&films) {
         assert!((value - 200.0).abs() < 1e-9, "{value}");
     }
+}
+
+long! {
+/// The other 188 of those that the floor's own tests begin with.
+#[test]
+fn furnaces_of_principled_surfaces() {
+    eyebox::world::scatter::trials::furnaces(200);
+}
 }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 /// More standard errors than any run has by chance.
 const MOST_SIGMA: f64 = 5.5;
 
+long! {
 #[test]
 fn the_suite_finds_nothing() {
     println!("{}", table::head());
@@ -17,6 +18,7 @@ fn the_suite_finds_nothing() {
     let found: Vec<String> = report.rows.iter().filter(|row| !row.findings.is_empty()).map(table::line).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
     assert!(report.rows.iter().all(|row| row.nan == 0));
+}
 }
 
 /// What is broken in a scene of each kind: about as little as the kind is there to see.
@@ -100,6 +102,7 @@ fn is_blind(kind: Kind, case: &Case) -> bool {
     }
 }
 
+long! {
 /// Every case of every kind is turned red by a fault of that kind.
 #[test]
 fn planted_faults_are_found() {
@@ -118,6 +121,7 @@ fn planted_faults_are_found() {
     }
     assert!(missed.is_empty(), "{}", missed.join("\n"));
     assert!(Kind::ALL.iter().all(|kind| kind.cases().iter().any(|case| !is_blind(*kind, case))));
+}
 }
 
 /// Each limit is one.

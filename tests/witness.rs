@@ -85,6 +85,7 @@ fn connected(films: Films) -> Films {
     Films { films: own, ..films }
 }
 
+long! {
 /// On the direct HUD, whose light comes over two trains: the picture, and a ghost with 7 % of the light.
 #[test]
 fn planted_faults_of_vision_are_named() {
@@ -123,7 +124,9 @@ fn planted_faults_of_vision_are_named() {
     let black = judged(&witness, &black);
     assert!(sigmas(only(&black)) < -20.0 && only(&black).ratio.is_some_and(|[ratio, _]| ratio == 0.0));
 }
+}
 
+long! {
 /// On the diffuse HUD, whose screen is lit through a lens: it is dark, or twice as bright.
 #[test]
 fn planted_faults_of_caustics_are_named() {
@@ -148,7 +151,9 @@ fn planted_faults_of_caustics_are_named() {
         judged(&witness, &Films { films: Vec::new(), first: 0, passes: 8, dealt: Dealt::default(), witness: None });
     assert!(sigmas(&caustic(&black)) < -6.0, "{black:?}");
 }
+}
 
+long! {
 /// What lands on the diffuse HUD's screen comes from nine lamps, in directions that few photons tell: looks see all of it. With cones about
 /// these photons alone they saw 6 % too little in most runs, and far too much in some.
 #[test]
@@ -170,12 +175,14 @@ fn looks_miss_none_of_what_scatters() {
     println!("{mean:.4} ± {sigma:.4}, stated {stated:.4}");
     assert!((mean - 1.0).abs() < 4.0 * sigma && sigma < 0.025 && sigma < 2.0 * stated, "{mean} ± {sigma}, {stated}");
 }
+}
 
-/// Seeds of each family: `SOUND_SEEDS=15 cargo verify --test all witness` asks more than two hundred runs.
+/// Seeds of each family: `SOUND_SEEDS=15 cargo verify-long --test long witness` asks more than two hundred runs.
 fn seeds() -> u64 {
     std::env::var("SOUND_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(2)
 }
 
+long! {
 /// Sound runs of the generator's scenes: no alarm (one in two hundred runs may be by chance), and looks are a twentieth of the
 /// work at most. Pieces of a run see what the whole does.
 #[test]
@@ -211,7 +218,9 @@ fn sound_runs_are_left_alone() {
     assert!(asked >= 8 && offs.len() <= asked / 200, "{asked} runs, off: {offs:#?}");
     assert!((work as f64) < 0.05 * beside as f64, "{work} of {beside}");
 }
+}
 
+long! {
 /// Windshields with the eye anywhere in the eyebox: the automatic plan has the light that rays from the eye find.
 #[test]
 fn no_windshield_comes_out_dark() {
@@ -231,4 +240,5 @@ fn no_windshield_comes_out_dark() {
         let z = (own.0 - brute.0) / (own.1 + brute.1).sqrt().max(f64::MIN_POSITIVE);
         assert!(brute.0 > 0.0 && z.abs() < 4.0, "seed {seed}: {own:?} for {brute:?}");
     }
+}
 }

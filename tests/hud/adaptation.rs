@@ -40,6 +40,7 @@ fn a_uniform_sky_tells_the_pupil() {
     }
 }
 
+long! {
 /// A display that does not fill the pupil is dimmer for a wider one: where the search ends, the picture that the pupil sees
 /// asks for this pupil, wherever the search began.
 #[test]
@@ -52,4 +53,5 @@ fn pupil_and_picture_agree_where_lamps_do_not_fill_it() {
     };
     let ((narrow, brighter), (wide, dimmer)) = (pupil(2.0), pupil(7.0));
     assert!((narrow / wide - 1.0).abs() < 0.01, "{narrow} m for {brighter} cd/m², {wide} m for {dimmer} cd/m²");
+}
 }

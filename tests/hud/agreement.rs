@@ -28,6 +28,7 @@ fn backward_and_forward_agree_on_the_picture() {
     assert!(worst < bound, "{worst} of {bound}");
 }
 
+long! {
 /// The sum of a white crop to 0.12 % and better, so that a bias of 0.5 % is found.
 #[test]
 fn backward_and_forward_agree_to_half_a_percent() {
@@ -47,6 +48,7 @@ fn backward_and_forward_agree_to_half_a_percent() {
         let (worst, bound) = whole(&biased);
         assert!(worst > bound, "a bias of {bias} must be found: {worst} of {bound}");
     }
+}
 }
 
 fn scaled(mut scene: Scene, s: f64) -> Scene {
@@ -86,6 +88,7 @@ fn moved(mut scene: Scene, by: DVec3) -> Scene {
     scene
 }
 
+long! {
 /// 10 km away, and in other units: with the same seed the same picture, pixel by pixel.
 #[test]
 fn place_and_unit_change_nothing() {
@@ -114,7 +117,9 @@ fn place_and_unit_change_nothing() {
         }
     }
 }
+}
 
+long! {
 /// Symbols on the diffuse screen, whose edges blur over lamps and the pupil: tables over the picture tell of all of a pixel, pictures under
 /// 120 pixels do without them. Both have the same light, block by block, and with tables a pass errs little.
 #[test]
@@ -146,4 +151,5 @@ fn edges_on_a_screen_are_those_of_rays_alone() {
     assert!(seen.len() > 60 && worst < bound, "{} blocks, {worst} of {bound}", seen.len());
     // It was 4.3e-3. Edges at two places a pass make it ten times as much.
     assert!(error < 1e-2, "{error:e}");
+}
 }

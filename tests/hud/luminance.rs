@@ -41,6 +41,7 @@ fn direct_centre() {
     assert_close("direct, one LED, black back", wide(&[&black], 1.0), 9886.0, 0.01);
 }
 
+long! {
 /// Light adds up, and the middle LED alone is known already: what the other eight add is the ghost. With the plate's back
 /// face black they add nothing.
 #[test]
@@ -55,6 +56,7 @@ fn direct_nine_leds() {
     let black = format!("COMBINER_PLATE_NBK7.faces[{}].finish=absorber", back_face());
     let (rest, sigma) = direct(&[dark, &black], [0.0; 2], 6.0, 16, 1.0);
     assert_close("nine LEDs, black back", (one + rest, sigma), 9886.0, 0.01);
+}
 }
 
 /// The face of the plate whose vertices all have the largest local z.
@@ -84,6 +86,7 @@ fn direct_off_axis_and_black() {
     assert_close("direct, black", wide(&[], 0.0), 9886.0 / 300.0, 0.01);
 }
 
+long! {
 /// ±10 % of what the luminance depends on, against the calculation that shares nothing with the crate.
 #[test]
 fn direct_moves_as_calculated() {
@@ -99,6 +102,7 @@ fn direct_moves_as_calculated() {
     let set = "LCD_ACTIVE_AREA.contrast=270";
     let black = wide(&[set], 0.0);
     assert_close(set, black, DIRECT.luminance([0.0; 2]) / 270.0, 0.01);
+}
 }
 
 // Eight runs of two passes give 1616.0 ± 0.4 against 1617.1 in the middle and 36.13 ± 0.02 against 36.09 with the Lambertian
@@ -145,13 +149,17 @@ fn diffuse_centre() {
     assert_close("diffuse, centre", diffuse(&[], [0.0; 2], 6, 1), 1566.0 * GHOST, 0.01);
 }
 
+long! {
 #[test]
 fn diffuse_off_axis() {
     assert_close("diffuse, 5.2° right", diffuse(&[], [5.2, 0.0], 8, 4), 532.0 * GHOST, 0.035);
 }
+}
 
+long! {
 #[test]
 fn diffuse_lambertian_screen() {
     let set = "DIFFUSER_SHEET.faces[4].finish={ lambert = { transmittance = 0.9, reflectance = 0 } }";
     assert_close("diffuse, Lambertian", diffuse(&[set], [0.0; 2], 6, 1), 34.95 * GHOST, 0.01);
+}
 }

@@ -91,6 +91,7 @@ fn integrating_sphere(rho: f64, port: f64) -> Scene {
     s
 }
 
+long! {
 #[test]
 fn integrating_spheres() {
     for case in cases("int_sphere") {
@@ -133,6 +134,7 @@ fn integrating_spheres() {
         let got = luminance(&s, PHOTON, 1, 8);
         assert_traced(&format!("{} far from the spot", case["id"]), got, number(&r["L_far_from_spot"]), 4e-3);
     }
+}
 }
 
 fn furnace(kind: &str) -> serde_json::Value {

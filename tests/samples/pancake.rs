@@ -86,6 +86,7 @@ fn the_folded_picture_and_its_ghost_are_where_paraxial_optics_has_them() {
     assert!((second.mean_ratio / (direct / folded) - 1.0).abs() < 5e-3, "{} {}", second.mean_ratio, direct / folded);
 }
 
+long! {
 #[test]
 fn its_luminance_is_that_of_jones_calculus() {
     for (waves, degrees) in [("0.25", 90.0), ("0.24444444444444444", 88.0), ("0.16666666666666666", 60.0)] {
@@ -95,6 +96,7 @@ fn its_luminance_is_that_of_jones_calculus() {
         let want: f64 = by_jones(degrees).iter().sum();
         bright(&set, found.positions[0].luminance.unwrap().centre, 2000.0 * want);
     }
+}
 }
 
 #[test]

@@ -146,7 +146,9 @@ fn a_scan_stitches_the_ways_through_the_slab() {
     assert!(worst < 0.1 && numbers.len() > 1, "{worst}′, {numbers:?}");
 }
 
+long! {
 #[test]
 fn as_planned_it_is_what_plain_paths_see() {
     as_brute_force("waveguide", &[], [32, 256]);
+}
 }

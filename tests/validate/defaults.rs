@@ -273,6 +273,7 @@ fn parallel() -> Vec<Ray> {
     (0..400).map(|k| ([at(k / 20), at(k % 20), 0.5], [0.0, 0.0, 1.0], 0.1)).collect()
 }
 
+long! {
 #[test]
 fn every_feature_at_its_defaults_is_clean() {
     let mut wrong = Vec::new();
@@ -284,6 +285,7 @@ fn every_feature_at_its_defaults_is_clean() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
 }
 
 /// What the test above is about is everything: a row is said somewhere, or it has a default and is left out.
@@ -316,6 +318,7 @@ fn lamps_without_a_spectrum_are_clean_in_every_carrier() {
     }
 }
 
+long! {
 /// Every sidecar of the samples, and every asset that says itself what it is optically.
 #[test]
 fn every_sample_is_clean() {
@@ -345,4 +348,5 @@ fn every_sample_is_clean() {
         .map(|(path, found)| format!("{}: {found:#?}", path.display()))
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
 }

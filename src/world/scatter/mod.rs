@@ -15,6 +15,8 @@ mod lost;
 mod measured;
 mod principled;
 mod rough;
+#[cfg(any(test, feature = "testing"))]
+pub use principled::trials;
 
 pub use abg::Abg;
 pub use lost::Lost;

@@ -1,3 +1,4 @@
+use super::principled::trials::incoming;
 use super::*;
 use crate::fresnel::refract;
 use eyebox_base::rng::{Rng, Stream};
@@ -7,11 +8,6 @@ use eyebox_scene::ScatterTable;
 use eyebox_scene::scatter_table::Measurement;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-pub(super) fn incoming(theta_deg: f64) -> DVec3 {
-    let (sin, cos) = theta_deg.to_radians().sin_cos();
-    DVec3::new(sin * 0.6, sin * 0.8, -cos)
-}
 
 /// A scatterer between two media, with a width of its lobes in rad.
 pub(super) struct Case {

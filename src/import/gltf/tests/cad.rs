@@ -157,8 +157,8 @@ fn turned(file: &str, wrong: &[(usize, usize, usize)], out: &Path) {
         let attributes = &json["meshes"][mesh]["primitives"][primitive]["attributes"];
         let accessor = &json["accessors"][number(&attributes["NORMAL"])];
         let view = &json["bufferViews"][number(&accessor["bufferView"])];
-        assert!(view["byteStride"].is_null());
-        let first = 20 + length + 8 + number(&view["byteOffset"]) + number(&accessor["byteOffset"]) + 12 * vertex;
+        let stride = view["byteStride"].as_u64().map_or(12, |stride| stride as usize);
+        let first = 20 + length + 8 + number(&view["byteOffset"]) + number(&accessor["byteOffset"]) + stride * vertex;
         (0..3).for_each(|lane| bytes[first + 4 * lane + 3] ^= 0x80);
     }
     std::fs::write(out, bytes).unwrap();

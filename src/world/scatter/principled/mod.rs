@@ -26,6 +26,8 @@ mod point;
 mod polarisation;
 mod sheen;
 mod stretched;
+#[cfg(any(test, feature = "testing"))]
+pub mod trials;
 
 pub use look::Look;
 pub use point::Point;

@@ -1,16 +1,11 @@
-use super::super::tests::{Case, are_reciprocal, incoming, samples_follow};
+use super::super::tests::{Case, are_reciprocal, samples_follow};
 use super::super::{Scatter, Sides};
 use super::look::lacks;
+use super::trials::{brushed, film, furnace, incoming, principled};
 use super::*;
 use eyebox_base::rng::{Rng, Stream};
-use eyebox_base::stats::{Moments, sidak_z};
-use eyebox_scene::{Anisotropy, AnisotropyLaw, Colour, Film, Scalar};
-
-fn principled(surface: StandardSurface) -> (Principled, Look) {
-    let principled = Principled::new(surface.into(), Mesh::default().into());
-    let look = Point::plain(&principled.surface).look(None);
-    (principled, look)
-}
+use eyebox_base::stats::Moments;
+use eyebox_scene::{AnisotropyLaw, Colour, Scalar};
 
 fn case(name: &str, surface: StandardSurface) -> Case {
     let (principled, look) = principled(surface);
@@ -21,14 +16,6 @@ fn case(name: &str, surface: StandardSurface) -> Case {
         n,
         width: std::f64::consts::FRAC_PI_4,
     }
-}
-
-fn brushed(strength: f64, law: AnisotropyLaw) -> Option<Anisotropy> {
-    Some(Anisotropy { strength: Scalar::new(strength), law, rotation_rad: 0.0, direction: None })
-}
-
-fn film(weight: f64, ior: f64, nm: f64) -> Option<Film> {
-    Some(Film { weight: Scalar::new(weight), ior, thickness_nm: Scalar::new(nm) })
 }
 
 fn some() -> Vec<Case> {
@@ -131,82 +118,10 @@ fn reciprocity() {
     are_reciprocal(&some());
 }
 
-/// A surface by chance; `white`: nothing of it absorbs.
-fn random(rng: &mut Rng, white: bool) -> StandardSurface {
-    // Ends of the range are as common as what lies between.
-    let mut share = || match rng.uniform() {
-        x if x < 0.25 => Scalar::new(0.0),
-        x if x < 0.5 => Scalar::new(1.0),
-        x => Scalar::new(2.0 * x - 1.0),
-    };
-    let mut out = StandardSurface {
-        metallic: share(),
-        roughness: share(),
-        ior: 1.0 + 1.5 * share().factor,
-        specular: share(),
-        transmission: share(),
-        diffuse_transmission: share(),
-        ..StandardSurface::default()
-    };
-    out.diffuse_roughness = share();
-    if share().factor > 0.5 {
-        let laws = [AnisotropyLaw::Gltf, AnisotropyLaw::OpenPbr, AnisotropyLaw::MaterialX];
-        // Strengths have tables of their own: few of them.
-        let strength = [0.3, 0.6, 0.9][(share().factor * 2.99) as usize];
-        out.anisotropy = brushed(strength, laws[(share().factor * 2.99) as usize]);
-    } else if share().factor > 0.5 {
-        out.film = film(share().factor, 1.0 + share().factor, 100.0 + 500.0 * share().factor);
-    }
-    if !white {
-        out.metal_edge = Colour::new([share().factor; 3]);
-        (out.coat, out.coat_roughness, out.sheen_roughness) = (share(), share(), share());
-        let mut colour = || Colour::new([share().factor; 3]);
-        out.base_color = colour();
-        out.specular_color = colour();
-        out.diffuse_transmission_color = colour();
-        out.sheen_color = colour();
-    }
-    out
-}
-
-/// What a surface shows of a furnace of luminance 1, scattered and straight through.
-fn furnace(surface: &StandardSurface, theta_deg: f64, count: u32, rng: &mut Rng) -> Moments {
-    let (principled, look) = principled(surface.clone());
-    let d_in = incoming(theta_deg);
-    let through = principled.passes(-d_in, &look);
-    let mut all = Moments::default();
-    for _ in 0..count {
-        let scattered = principled.sample(d_in, &look, [rng.uniform(), rng.uniform(), rng.uniform()]);
-        all.add(through + scattered.map_or(0.0, |s| s.weight));
-    }
-    all
-}
-
-/// No surface gives more than it gets, whatever its parameters; and those of which nothing absorbs give all of it.
+/// A few surfaces; `cargo verify-long` tries 200.
 #[test]
 fn furnaces() {
-    const SETS: usize = 200;
-    const TABLES: f64 = 2e-3;
-    let limit = sidak_z(0.001, 3 * SETS);
-    let mut worst = (0.0, String::new());
-    for white in [false, true] {
-        for set in 0..SETS {
-            let mut rng = Rng::new(21, Stream::Check, u64::from(white), set as u64);
-            let surface = random(&mut rng, white);
-            for theta in [0.0, 50.0, 80.0] {
-                let all = furnace(&surface, theta, 1 << 14, &mut rng);
-                let (over, error) = (all.mean - 1.0, limit * all.stderr() + TABLES);
-                assert!(over < error, "θ {theta}: {} ± {}: {surface:?}", all.mean, all.stderr());
-                if white {
-                    assert!(over > -error, "θ {theta}: {} ± {}: {surface:?}", all.mean, all.stderr());
-                    if over.abs() > worst.0 {
-                        worst = (over.abs(), format!("θ {theta} {} ± {}", all.mean, all.stderr()));
-                    }
-                }
-            }
-        }
-    }
-    println!("worst {}", worst.1);
+    super::trials::furnaces(12);
 }
 
 /// Fibres give no more than they get, however light grazes them.
