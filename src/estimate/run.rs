@@ -165,12 +165,11 @@ impl Films {
         if error > 0.0 { unseen.passes_for(error * MISSED * sums.light) } else { 0 }
     }
 
-    /// Passes with which what rays may have missed leaves room for a relative error in a picture of which this is `share`; 0 for a
-    /// black one.
-    pub fn passes_to_miss(&self, error: f64, share: f64) -> u64 {
+    /// What rays will have missed at the most after so many passes of a picture of which this is `share`, of its light; 0 for a black one.
+    pub fn missed_after(&self, passes: u64, share: f64) -> f64 {
         let light = self.noise().map_or(0.0, |sums| sums.light / share);
-        let of_film = |film: &Film| film.unseen().map_or(0, |unseen| unseen.passes_for(error * MISSED * light));
-        if light > 0.0 { self.films.iter().map(|(_, film, _)| of_film(film)).max().unwrap_or(0) } else { 0 }
+        let most: f64 = self.films.iter().map(|(_, film, _)| film.unseen().map_or(0.0, |own| own.light(passes))).sum();
+        if light > 0.0 { most / light } else { 0.0 }
     }
 
     /// From the second pass on: whether there is any light, be it all noise of which no error is stated yet.

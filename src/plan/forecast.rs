@@ -50,12 +50,19 @@ pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
     Ok(Forecast {
         error_of_a_pass: first.or_else(|| of_a_pass(films)).map(|error| error * larger),
         paths_of_a_pass: paths as f64 / films.passes as f64 / small.share,
-        passes: of_a_pass(films).map(|error| {
-            let by_noise = (error * larger / AIM).powi(2).ceil().max(1.0);
-            by_noise.max(films.passes_to_miss(AIM, small.share) as f64)
-        }),
+        passes: of_a_pass(films)
+            .map(|error| passes_to_aim(error * larger, |passes| films.missed_after(passes, small.share))),
         pilot_passes: films.passes,
     })
+}
+
+/// Passes until the noise, whose error falls as their root, and what rays may have missed are together at what was aimed at, to a twentieth.
+fn passes_to_aim(error_of_a_pass: f64, missed_after: impl Fn(u64) -> f64) -> f64 {
+    let mut passes = (error_of_a_pass / AIM).powi(2).ceil().max(1.0);
+    while (error_of_a_pass / passes.sqrt()).hypot(missed_after(passes as u64)) > 1.0001 * AIM && passes < 1e15 {
+        passes = (1.05 * passes).ceil();
+    }
+    passes
 }
 
 fn first_passes<'w>(small: &'w PilotResolution, plan: &Plan, scene: &Scene) -> Box<dyn Tracing + 'w> {
@@ -96,6 +103,16 @@ impl Forecast {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn both_errors_come_down_to_what_was_aimed_at() {
+        assert_eq!(passes_to_aim(0.1, |_| 0.0), 100.0);
+        // 0.008 are left for the noise.
+        let passes = passes_to_aim(0.1, |_| 0.006);
+        assert!((156.0..166.0).contains(&passes), "{passes}");
+        let passes = passes_to_aim(0.001, |passes| 2.0 / passes as f64);
+        assert!((200.0..215.0).contains(&passes), "{passes}");
+    }
 
     #[test]
     fn errors_fall_with_the_pixels_size_as_far_as_two_pictures_tell() {
