@@ -1,4 +1,4 @@
-//! Typed indices into the tables of a [`Scene`](eyebox_scene::Scene): a part can't be looked up with a face number.
+//! Typed indices into the tables of a scene: a part can't be looked up with a face number.
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {

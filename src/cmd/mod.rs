@@ -34,7 +34,7 @@ pub mod printer;
 pub mod progress;
 mod rays;
 mod render;
-pub mod render_args;
+mod render_args;
 mod report;
 mod scan;
 mod sensor;
@@ -53,6 +53,7 @@ use crate::scene::assembly::Assembly;
 use crate::scene::{Note, Severity};
 use clap::{Parser, Subcommand, ValueEnum};
 use printer::{print, print_text};
+pub use render_args::parse_resolution;
 use std::process::ExitCode;
 
 /// Trace a head-up-display or AR assembly into one layered EXR in absolute cd/m².

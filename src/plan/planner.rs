@@ -233,7 +233,7 @@ impl Planner<'_> {
             // Where a bright lamp could be, few looks say little.
             let may_miss = backward.unseen().is_some_and(|unseen| unseen.light(1) > 0.0);
             let looks = if may_miss { MANY_LOOKS } else { LOOKS };
-            if !backward.finds_light(LOOKS, self.stop) && !(may_miss && backward.finds_light(looks, self.stop)) {
+            if !(backward.finds_light(LOOKS, self.stop) || may_miss && backward.finds_light(looks, self.stop)) {
                 plan.backward_share = SELDOM;
                 plan.doubts.glances = looks;
                 plan.notes.push(format!(

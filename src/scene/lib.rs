@@ -1,4 +1,4 @@
-//! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](eyebox_import); after that nobody can
+//! Floor 1: the scene as plain data. Importers fill it through the builder of `eyebox-import`; after that nobody can
 //! tell which format an assembly came from. Lengths of the world are metres; a mesh keeps the units of its file.
 
 mod abg; // scatter of polished surfaces

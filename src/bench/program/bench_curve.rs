@@ -1,9 +1,9 @@
 //! `eyebox bench ASSET…`: time against error.
 
 use clap::Args;
+use eyebox::cmd::parse_resolution;
 use eyebox::cmd::printer::print_text;
 use eyebox::cmd::progress::Signals;
-use eyebox::cmd::render_args::parse_resolution;
 use eyebox::cmd::source::sets;
 use eyebox::cmd::threads::pool;
 use eyebox_base::atomic::{check_writable, write_atomic};
