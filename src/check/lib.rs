@@ -87,73 +87,47 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
     }
     let faces = || scene.parts.iter().flat_map(|part| &part.faces);
     let facts = Facts {
-        scatters: faces().any(|f| !f.is_slide() && scatters(f.finish)),
-        specular: faces().any(|f| {
-            f.is_slide()
-                || matches!(
-                    f.finish,
-                    Finish::Polished
-                        | Finish::Abg { .. }
-                        | Finish::MirrorMetal { .. }
-                        | Finish::MirrorIdeal { .. }
-                        | Finish::Polariser { .. }
-                        | Finish::Retarder { .. }
-                        | Finish::WavePlate { .. }
-                        | Finish::CircularPolariser { .. }
-                        | Finish::ReflectivePolariser { .. }
-                        | Finish::Grating { .. }
-                )
-        }),
-        bundles: faces().any(|f| f.is_slide() || bundles(f.finish)),
+        scatters: faces().any(|f| !f.is_slide() && Ways::of(f.finish).scatters),
+        specular: faces().any(|f| f.is_slide() || Ways::of(f.finish).specular),
+        bundles: faces().any(|f| f.is_slide() || Ways::of(f.finish).bundles),
         pinhole: scene.eye.pupil_diameter_m == 0.0,
         no_light: scene.sky.is_none() && faces().all(|f| f.emitter.is_none()) && scene.lights.is_empty(),
     };
     Ok(Checked { scene, facts })
 }
 
-/// Whether a finish sends light out of the specular directions.
-fn scatters(finish: Finish) -> bool {
-    match finish {
-        Finish::Lambert { .. }
-        | Finish::Gauss { .. }
-        | Finish::CosM { .. }
-        | Finish::Rough { .. }
-        | Finish::Abg { .. }
-        | Finish::Measured { .. }
-        | Finish::Surface { .. } => true,
-        Finish::None
-        | Finish::Polished
-        | Finish::MirrorMetal { .. }
-        | Finish::MirrorIdeal { .. }
-        | Finish::Polariser { .. }
-        | Finish::Retarder { .. }
-        | Finish::WavePlate { .. }
-        | Finish::CircularPolariser { .. }
-        | Finish::ReflectivePolariser { .. }
-        | Finish::Grating { .. }
-        | Finish::Absorber => false,
-    }
+/// How a finish sends light on.
+struct Ways {
+    /// Out of the specular directions.
+    scatters: bool,
+    /// In them.
+    specular: bool,
+    /// In a bundle: it is neither matt nor black.
+    bundles: bool,
 }
 
-/// Whether a finish sends light on in a bundle: what is neither matt nor black.
-fn bundles(finish: Finish) -> bool {
-    match finish {
-        Finish::Polished
-        | Finish::MirrorMetal { .. }
-        | Finish::MirrorIdeal { .. }
-        | Finish::Gauss { .. }
-        | Finish::CosM { .. }
-        | Finish::Rough { .. }
-        | Finish::Abg { .. }
-        | Finish::Measured { .. }
-        | Finish::Polariser { .. }
-        | Finish::Retarder { .. }
-        | Finish::WavePlate { .. }
-        | Finish::CircularPolariser { .. }
-        | Finish::ReflectivePolariser { .. }
-        | Finish::Grating { .. }
-        | Finish::Surface { .. } => true,
-        Finish::None | Finish::Lambert { .. } | Finish::Absorber => false,
+impl Ways {
+    fn of(finish: Finish) -> Ways {
+        let [scatters, specular, bundles] = match finish {
+            Finish::None | Finish::Absorber => [false; 3],
+            Finish::Lambert { .. } => [true, false, false],
+            Finish::Gauss { .. }
+            | Finish::CosM { .. }
+            | Finish::Rough { .. }
+            | Finish::Measured { .. }
+            | Finish::Surface { .. } => [true, false, true],
+            Finish::Abg { .. } => [true; 3],
+            Finish::Polished
+            | Finish::MirrorMetal { .. }
+            | Finish::MirrorIdeal { .. }
+            | Finish::Polariser { .. }
+            | Finish::Retarder { .. }
+            | Finish::WavePlate { .. }
+            | Finish::CircularPolariser { .. }
+            | Finish::ReflectivePolariser { .. }
+            | Finish::Grating { .. } => [false, true, true],
+        };
+        Ways { scatters, specular, bundles }
     }
 }
 
