@@ -1,6 +1,7 @@
-//! The Gaussian lobe of a diffuser, and the cosᵐ lobe beside it: normalisation, sampling and albedo
-//! (`design/formulas.md` section 10).
+//! The Gaussian lobe of a diffuser, and the cosᵐ lobe beside it: normalisation, sampling, albedo
+//! (`design/formulas.md` section 10), and what becomes of the light that would be lost beyond the horizon.
 
+use super::cdf::Cdf;
 use eyebox_base::warp::{Frame, cos_n_hemisphere};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -20,6 +21,18 @@ pub struct GaussLobe {
     sampling_norm: f64,
     /// Angle of incidence in [0, π/2] against the share of the lobe that leaves, for piecewise linear interpolation.
     albedo: Vec<(f64, f64)>,
+    rest: Rest,
+}
+
+/// What the lobe with its falloff does not send on, 1 − albedo = m(μ), spread so that nothing is lost and light may run either way: the
+/// distribution m(μi) m(μo)/(π M), M the mean of m over 2μ dμ (C. Kulla, A. Conty, "Revisiting Physically Based Shading at Imageworks",
+/// SIGGRAPH 2017).
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Rest {
+    /// M.
+    mean: f64,
+    /// How much of M lies between the angles of the table; within a step directions are drawn evenly in μ². None: nothing is lost.
+    steps: Option<Cdf>,
 }
 
 impl GaussLobe {
@@ -34,8 +47,16 @@ impl GaussLobe {
         if !(norm.is_finite() && sampling_norm.is_finite()) {
             return None;
         }
-        let mut lobe = GaussLobe { sigma: sigma_rad, exponent: None, norm, sampling_norm, albedo: Vec::new() };
+        let mut lobe = GaussLobe {
+            sigma: sigma_rad,
+            exponent: None,
+            norm,
+            sampling_norm,
+            albedo: Vec::new(),
+            rest: Rest::default(),
+        };
         lobe.albedo = lobe.tabulate();
+        lobe.rest = Rest::of(&lobe.albedo);
         Some(lobe)
     }
 
@@ -46,8 +67,10 @@ impl GaussLobe {
         }
         let (norm, sampling_norm) = ((m + 2.0) / TAU, (m + 1.0) / TAU);
         let sigma = 1.0 / m.max(1.0).sqrt();
-        let mut lobe = GaussLobe { sigma, exponent: Some(m), norm, sampling_norm, albedo: Vec::new() };
+        let mut lobe =
+            GaussLobe { sigma, exponent: Some(m), norm, sampling_norm, albedo: Vec::new(), rest: Rest::default() };
         lobe.albedo = lobe.tabulate();
+        lobe.rest = Rest::of(&lobe.albedo);
         Some(lobe)
     }
 
@@ -110,9 +133,63 @@ impl GaussLobe {
     /// cos_o/max(cos_i, cos_o). Interpolated to about 2e-5.
     pub fn albedo(&self, cos_in: f64) -> f64 {
         let theta = cos_in.clamp(0.0, 1.0).acos();
-        let above = self.albedo.partition_point(|&(x, _)| x <= theta).clamp(1, self.albedo.len() - 1);
-        let ((x0, y0), (x1, y1)) = (self.albedo[above - 1], self.albedo[above]);
+        let ((x0, y0), (x1, y1)) = self.around(theta).1;
         y0 + (y1 - y0) * ((theta - x0) / (x1 - x0)).clamp(0.0, 1.0)
+    }
+
+    /// The step of the table that an angle lies in, and its ends.
+    fn around(&self, theta: f64) -> (usize, ((f64, f64), (f64, f64))) {
+        let above = self.albedo.partition_point(|&(x, _)| x <= theta).clamp(1, self.albedo.len() - 1);
+        (above - 1, (self.albedo[above - 1], self.albedo[above]))
+    }
+
+    /// m: the share that the lobe does not send on at this cosine of incidence; `rest_*` send it.
+    pub fn lost(&self, cos: f64) -> f64 {
+        (1.0 - self.albedo(cos.abs())).max(0.0)
+    }
+
+    /// The rest of the light at these shares that the lobe loses, 1/sr.
+    pub fn rest(&self, [lost_in, lost_out]: [f64; 2]) -> f64 {
+        if self.rest.mean > 0.0 { lost_in * lost_out / (PI * self.rest.mean) } else { 0.0 }
+    }
+
+    /// Density with which [`GaussLobe::sample_rest`] chooses a direction under this cosine on its side, 1/sr.
+    pub fn rest_pdf(&self, cos: f64) -> f64 {
+        let Some(steps) = &self.rest.steps else { return 0.0 };
+        let mu = cos.abs().min(1.0);
+        let (step, ((near, _), (far, _))) = self.around(mu.acos());
+        let width = near.cos().powi(2) - far.cos().powi(2);
+        if width > 0.0 { steps.probability(step) / width * mu / PI } else { 0.0 }
+    }
+
+    /// A direction of the rest, z > 0. None if there is none.
+    pub fn sample_rest(&self, [a, b]: [f64; 2]) -> Option<DVec3> {
+        let (step, part) = self.rest.steps.as_ref()?.sample(a);
+        let [near, far] = [self.albedo[step], self.albedo[step + 1]].map(|(theta, _)| theta.cos().powi(2));
+        let square = far + part * (near - far);
+        let (sin, cos) = (TAU * b).sin_cos();
+        let radius = (1.0 - square).max(0.0).sqrt();
+        Some(DVec3::new(radius * cos, radius * sin, square.sqrt()))
+    }
+}
+
+impl Rest {
+    /// Of a table of albedos against angles.
+    fn of(albedo: &[(f64, f64)]) -> Rest {
+        // ∫ (p + qθ) sin 2θ dθ, m a line within a step.
+        let steps = albedo.windows(2).map(|ends| {
+            let [(x0, y0), (x1, y1)] = [ends[0], ends[1]].map(|(theta, albedo)| (theta, (1.0 - albedo).max(0.0)));
+            if x1 <= x0 {
+                return 0.0;
+            }
+            let q = (y1 - y0) / (x1 - x0);
+            let primitive = |x: f64, y: f64| 0.25 * q * (2.0 * x).sin() - 0.5 * y * (2.0 * x).cos();
+            (primitive(x1, y1) - primitive(x0, y0)).max(0.0)
+        });
+        match Cdf::new(steps.collect::<Vec<_>>()) {
+            Some(steps) => Rest { mean: steps.total(), steps: Some(steps) },
+            None => Rest::default(),
+        }
     }
 }
 
@@ -272,9 +349,11 @@ mod tests {
             for theta_deg in [0.0f64, 3.0, 20.0, 45.0, 70.0, 85.0, 89.0] {
                 let (sin, mu) = theta_deg.to_radians().sin_cos();
                 let axis = DVec3::new(sin, 0.0, mu);
-                let (rings, sectors, mut sum) = (1500, 800, 0.0);
+                let (rings, sectors, mut sum, mut rest) = (1500, 800, 0.0, 0.0);
+                let lost = lobe.lost(mu);
                 for ring in 0..rings {
                     let (radius, cos) = (FRAC_PI_2 * (ring as f64 + 0.5) / rings as f64).sin_cos();
+                    rest += lobe.rest([lost, lobe.lost(cos)]) * cos * radius * sectors as f64;
                     for sector in 0..sectors {
                         let phi = PI * (sector as f64 + 0.5) / sectors as f64;
                         let dir = DVec3::new(radius * phi.cos(), radius * phi.sin(), cos);
@@ -284,6 +363,9 @@ mod tests {
                 let want = sum * FRAC_PI_2 * TAU / (rings * sectors) as f64;
                 let got = lobe.albedo(mu);
                 assert!((got / want - 1.0).abs() < 1e-4, "σ {sigma} θ {theta_deg}: {got} {want}");
+                // A white furnace: nothing is lost.
+                let all = (sum + rest) * FRAC_PI_2 * TAU / (rings * sectors) as f64;
+                assert!((all - 1.0).abs() < 2e-4, "σ {sigma} θ {theta_deg}: {all} with the rest");
             }
             assert!((lobe.albedo(0.0) - 0.5).abs() < 1e-6, "at grazing incidence half of the lobe leaves");
         }

@@ -262,14 +262,11 @@ impl Scatter {
         sampled.filter(|s| s.pdf > 0.0 && s.pdf.is_finite() && s.weight.is_finite())
     }
 
-    /// Share of the arriving light that is scattered, either way, at incidence `cos_in` in (0, 1]; Gaussian lobes by a
-    /// table good to 5e-5. What rough faces lose or gain by their tables, up to 3e-4, is not told apart from 1. Of an ordinary
+    /// Share of the arriving light that is scattered, either way, at incidence `cos_in` in (0, 1]. What rough faces lose or gain by their tables, up to 3e-4, is not told apart from 1. Of an ordinary
     /// material a guess: that of its factors, without its textures.
     pub fn albedo(&self, cos_in: f64) -> f64 {
         match self {
-            Scatter::Lambert(shares) => shares.total(),
-            // The transmitted lobe is the mirror image of the reflected one: the same share of both leaves.
-            Scatter::Gauss(lobe, shares) => shares.total() * lobe.albedo(cos_in),
+            Scatter::Lambert(shares) | Scatter::Gauss(_, shares) => shares.total(),
             Scatter::Rough(_) => 1.0,
             Scatter::Abg(abg) => abg.albedo(cos_in),
             Scatter::Measured(measured) => measured.albedo(cos_in),
