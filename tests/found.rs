@@ -2,6 +2,7 @@
 
 mod coats;
 mod emission;
+mod films;
 mod normals;
 mod reading;
 mod usd_light;

@@ -214,6 +214,7 @@ pub fn add(
         priority: 0,
         faces,
         materials: Vec::new(),
+        film_in: None,
     });
     scene.parts.len() - 1
 }

@@ -17,6 +17,7 @@ use eyebox_world::geometry::{Hit, Ray, Site};
 use eyebox_world::interior::Interior;
 use eyebox_world::mode::{Mode, lanes};
 use eyebox_world::optics::Optics;
+use eyebox_world::pile::Pile;
 use eyebox_world::scatter::{Point, Principled, Scatter};
 use eyebox_world::surface::{FaceOptics, Surface};
 use glam::DVec3;
@@ -43,7 +44,7 @@ pub struct Walker<'w, M: Mode> {
     pub(super) pending: Option<Hit>,
     pub beam: Throughput<M>,
     /// Weight at the start: roulette compares with it.
-    start_weight: f64,
+    pub(super) start_weight: f64,
     pub trail: Trail,
     /// What light path expressions know of it, where the world has any.
     pub told: LpeState,
@@ -251,7 +252,14 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.attenuate(hit.t, ledger);
         let (geometry, contacts) = (&self.world.geometry, &self.world.contacts);
         let (mut touching, mut then, mut back, mut hit) = (None, None, None, hit);
-        if at_once {
+        let mut beside = None;
+        if !geometry.has_no_films() {
+            let pile = Pile::at(self.world, &hit, dir);
+            let place = if at_once { pile.place_of(hit.site) } else { 0 };
+            (hit, touching) = (Hit { t: hit.t, ..pile.hits[place] }, pile.touching_at(place));
+            (then, back) = (pile.hits.get(place + 1).copied(), place.checked_sub(1).map(|before| pile.hits[before]));
+            beside = pile.beside(geometry, place);
+        } else if at_once {
             // The other one of the two has been met.
             back = contacts.covered(geometry, &hit, dir).map(|[first, _]| first);
         } else if let Some(joint) = contacts.joint(geometry, &self.world.solids, &hit) {
@@ -259,8 +267,10 @@ impl<'w, M: Mode> Walker<'w, M> {
         } else if let Some([first, second]) = contacts.covered(geometry, &hit, dir) {
             (hit, then) = (first, Some(second));
         }
-        let other = touching.map(|other| other.site).or(then.map(|hit| hit.site));
-        let beside = if at_once { self.ray.from } else { other };
+        if geometry.has_no_films() {
+            let other = touching.map(|other| other.site).or(then.map(|hit| hit.site));
+            beside = if at_once { self.ray.from } else { other };
+        }
         let outside = dir.dot(hit.normal) < 0.0;
         let shading = self.world.shading(&hit, dir);
         let normal = if outside { shading } else { -shading };

@@ -204,7 +204,7 @@ pub(super) fn build_within(
         .map(|source| source.mesh)
         .chain(made.meshes.into_iter().map(Shared::from))
         .collect();
-    let scene = Scene {
+    let mut scene = Scene {
         name,
         unit_m,
         wavelengths,
@@ -225,6 +225,7 @@ pub(super) fn build_within(
         notes: seen,
         hash,
     };
+    scene.laminate()?;
     Ok(Built { scene, explained, layers: assembly.layers, asset: assembly.file, axes: assembly.axes, assumed })
 }
 

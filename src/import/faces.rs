@@ -65,6 +65,7 @@ impl Builder<'_> {
         let materials = (0..faces.len()).map(|face| named(face).unwrap_or_else(|| "none".to_owned())).collect();
         Ok(Part {
             materials,
+            film_in: None,
             name: part.name.clone(),
             path: part.path.clone(),
             mesh: MeshId::from_index(part.mesh),

@@ -217,6 +217,7 @@ impl Builder<'_> {
             medium: None,
             priority: 0,
             materials: Vec::new(),
+            film_in: None,
             faces: vec![face],
         });
         made.meshes.push(Mesh { name: light.name.clone(), ..mesh });

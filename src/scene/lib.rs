@@ -13,6 +13,7 @@ pub mod eye;
 pub mod finish;
 pub mod glass;
 pub mod grating;
+pub mod laminate; // films on glass become parts
 pub mod lamp;
 pub mod light_shapes; // meshes of the formats' round and flat lights
 pub mod mesh;
@@ -38,6 +39,7 @@ pub use efficiency_table::{Efficiency, EfficiencyGrid, EfficiencyTable};
 pub use eye::{BinocularLimits, Eye};
 pub use finish::Finish;
 pub use grating::{Grating, Order, Orders};
+pub use laminate::FilmBase;
 pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, PolarisedLight, Sky, SpotCone};
 pub use mesh::{FaceRange, Mesh};
 pub use note::{Known, Note, Residual, Severity};

@@ -1,6 +1,6 @@
 //! Parts: nodes with geometry, and what each of their faces is optically.
 
-use super::{Dispersion, Emitter, Finish, Sensor, Shape};
+use super::{Dispersion, Emitter, FilmBase, Finish, Sensor, Shape};
 use eyebox_base::colour::uplift_reflectance;
 use eyebox_base::ids::{CoatingId, MediumId, MeshId, SlideId};
 use glam::DAffine3;
@@ -99,6 +99,9 @@ pub struct Part {
     pub faces: Vec<Face>,
     /// The names of the faces' materials in the asset, in the same order; `none` where it has none. Empty where nobody asks.
     pub materials: Vec<String>,
+    /// A film that is laminated to a face of a solid, below its surface ([`Scene::laminate`](super::Scene::laminate)).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film_in: Option<FilmBase>,
 }
 
 /// What a CAD face of a part is optically.

@@ -64,6 +64,8 @@ pub struct Joint {
     /// Of the solid that fills the space before the other: its coating holds.
     pub hit: Hit,
     pub other: Touching,
+    /// Where the other one is met.
+    pub second: Hit,
 }
 
 impl Contacts {
@@ -123,6 +125,7 @@ impl Contacts {
             let is_near = |other: &u32| many || geometry.are_near([part as u32, *other], grain);
             let near: Vec<u32> = glass.iter().copied().filter(is_near).collect();
             let own = if near.is_empty() { 0 } else { own.len() };
+            let own = if scene.parts[part].film_in.is_some() { 0 } else { own };
             for face in (0..own).filter(|face| can_cover(part, *face) && !can_touch(part, *face)) {
                 let is_near = |other: &u32| geometry.is_near(*other, corners(scene, geometry, part, face), grain);
                 if !many && !near.iter().any(is_near) {
@@ -173,9 +176,9 @@ impl Contacts {
         let best = touching.reduce(|a, b| if outranks(solids, b.site.part, a.site.part) { b } else { a })?;
         let flush = best.normal.dot(hit.normal) > 0.0;
         Some(if outranks(solids, best.site.part, hit.site.part) {
-            Joint { hit: Hit { t: hit.t, ..best }, other: Touching { site: hit.site, flush } }
+            Joint { hit: Hit { t: hit.t, ..best }, other: Touching { site: hit.site, flush }, second: *hit }
         } else {
-            Joint { hit: *hit, other: Touching { site: best.site, flush } }
+            Joint { hit: *hit, other: Touching { site: best.site, flush }, second: best }
         })
     }
 }

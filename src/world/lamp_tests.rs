@@ -24,6 +24,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         medium: None,
         priority: 0,
         materials: Vec::new(),
+        film_in: None,
         faces: vec![Face {
             finish: Finish::Absorber,
             coating: None,

@@ -17,6 +17,7 @@ pub mod light;
 pub mod mode;
 pub mod optics;
 pub mod outline;
+pub mod pile; // what lies on each other at one place
 pub mod ray_lamp;
 pub mod rim;
 pub mod role;

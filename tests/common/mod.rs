@@ -140,6 +140,7 @@ pub fn add_part(scene: &mut Scene, name: &str, mesh: Mesh, at: DVec3, medium: Op
         medium,
         priority: 0,
         materials: Vec::new(),
+ film_in: None,
         faces,
     });
     scene.parts.len() - 1

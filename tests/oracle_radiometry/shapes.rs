@@ -50,6 +50,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         medium: None,
         priority: 0,
         materials: Vec::new(),
+ film_in: None,
         faces: vec![Face {
             finish: Finish::Absorber,
             coating: None,

@@ -38,6 +38,7 @@ fn part(path: &str, mesh: usize, x_m: f64, faces: [Face; 2]) -> Part {
         medium: None,
         priority: 0,
         materials: Vec::new(),
+        film_in: None,
         faces: faces.into(),
     }
 }

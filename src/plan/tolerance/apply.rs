@@ -59,6 +59,7 @@ pub fn apply(scene: &mut Scene, parameters: &[Parameter], values: &[f64]) -> Res
             }
         }
     }
+    scene.realign_films();
     Ok(())
 }
 

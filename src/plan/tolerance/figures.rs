@@ -28,6 +28,8 @@ pub struct Nominal {
     ghosts: Vec<Named>,
     /// Of the part that is looked at.
     to_world: DAffine3,
+    /// The part and face that carry the picture: of a film, those that it lies in.
+    carrier: (usize, usize),
     ipd_m: f64,
     pub figures: Vec<Figure>,
     /// Of the design itself, in the order of `figures`.
@@ -66,9 +68,11 @@ impl Nominal {
             figures.push(Figure { name: format!("ghost up: {}", ghost.by), unit: "arcmin" });
             figures.push(Figure { name: format!("ghost ratio: {}", ghost.by), unit: "of the main image" });
         }
+        let own = (subject.part as usize, subject.face as usize);
+        let carrier = part.film_in.map_or(own, |base| (base.part, base.face));
         let (to_world, part) = (part.to_world, part.path.clone());
-        let mut nominal =
-            Nominal { subject, ghosts, to_world, ipd_m, figures, values: Vec::new(), by, part, light: 1.0 };
+        let values = Vec::new();
+        let mut nominal = Nominal { subject, ghosts, to_world, carrier, ipd_m, figures, values, by, part, light: 1.0 };
         let values = nominal.of(scene)?;
         let luminance = nominal.figures.iter().position(|figure| figure.name == LUMINANCE).unwrap_or(0);
         let Some(light) = values.get(luminance).copied().filter(|light| *light > 0.0) else {
@@ -88,7 +92,7 @@ impl Nominal {
             Change::Thickness { face } | Change::Wedge { face, .. } => face,
             Change::Decenter { .. } | Change::Tilt { .. } | Change::Radius { .. } | Change::Index => return false,
         };
-        face == self.subject.face as usize && parameter.parts.contains(&(self.subject.part as usize))
+        face == self.carrier.1 && parameter.parts.contains(&self.carrier.0)
     }
 
     /// The figures of a design that was changed; NaN where there is none, as of a ghost that is not seen.

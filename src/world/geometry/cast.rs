@@ -63,6 +63,15 @@ impl Geometry {
 
     /// The same for a ray whose origin lies on the surface `beside` too: it leaves both.
     pub fn intersect_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
+        if self.films.is_empty() {
+            return self.intersect_met(ray, beside, t_max);
+        }
+        let met = |site: Option<Site>| site.map(|site| self.films.met(site));
+        self.intersect_met(&Ray { from: met(ray.from), ..*ray }, met(beside), t_max)
+    }
+
+    #[inline]
+    fn intersect_met(&self, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
         #[cfg(target_arch = "x86_64")]
         if let Some(lanes) = Lanes::here() {
             // SAFETY: the processor has what the function needs.
@@ -96,6 +105,15 @@ impl Geometry {
 
     /// The same for a ray whose origin lies on the surface `beside` too.
     pub fn occluded_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64, target: Option<Site>) -> bool {
+        if self.films.is_empty() {
+            return self.occluded_met(ray, beside, t_max, target);
+        }
+        let met = |site: Option<Site>| site.map(|site| self.films.met(site));
+        self.occluded_met(&Ray { from: met(ray.from), ..*ray }, met(beside), t_max, met(target))
+    }
+
+    #[inline]
+    fn occluded_met(&self, ray: &Ray, beside: Option<Site>, t_max: f64, target: Option<Site>) -> bool {
         #[cfg(target_arch = "x86_64")]
         if let Some(lanes) = Lanes::here() {
             // SAFETY: the processor has what the function needs.

@@ -67,7 +67,29 @@ impl Geometry {
     pub fn meet(&self, part: u32, face: u32, ray: &Ray, about: DVec3) -> Option<Meet> {
         let slot = *self.slots.get(part as usize)?;
         let instance = self.instances.get(slot as usize)?;
-        instance.meet(self.solids.get(instance.solid)?, face, ray, about)
+        let solid = self.solids.get(instance.solid)?;
+        match self.before_pile(part, face, ray) {
+            None => instance.meet(solid, face, ray, about),
+            Some((before, back)) => {
+                let meet = instance.meet(solid, face, &before, about)?;
+                Some(Meet { t: (meet.t - back).max(0.0), ..meet })
+            }
+        }
+    }
+
+    /// A ray that starts on a film, or on the face that one lies in, and looks for the other of the two is there already: the same from
+    /// a little before, and how much, m.
+    fn before_pile(&self, part: u32, face: u32, ray: &Ray) -> Option<(Ray, f64)> {
+        /// Of the size of what the ray starts on.
+        const BACK: f64 = 1e-4;
+        let from = ray.from.filter(|_| !self.has_no_films())?;
+        let to = self.below_film(Site { part, face, triangle: 0 });
+        if from.part == part || !self.below_film(from).is_on_face_of(to) {
+            return None;
+        }
+        let instance = self.instances.get(*self.slots.get(part as usize)? as usize)?;
+        let back = BACK * instance.bounds.half().length();
+        Some((Ray { origin: ray.origin - back * ray.dir, dir: ray.dir, from: None }, back))
     }
 
     /// The same, of a flat face on its plane where the ray passes beside it.

@@ -13,6 +13,7 @@ mod closest_hit;
 mod coverage;
 pub mod curved;
 pub mod exact;
+mod films;
 mod grid;
 mod instance;
 pub mod interface_derivatives;
@@ -42,6 +43,7 @@ use bvh::top::Top;
 use eyebox_base::error::Result;
 use eyebox_base::{Code, Error, Where};
 use eyebox_scene::{Mesh, Part, Scene};
+use films::Films;
 use glam::{DAffine3, DVec3};
 use instance::Instance;
 use solid::Solid;
@@ -98,10 +100,11 @@ pub struct Geometry {
     /// Of all parts, mesh → recentred world.
     to_world: Vec<DAffine3>,
     solids: Vec<Solid>,
-    /// In the order of the slots of `top`.
+    /// In the order of the slots of `top`; films after them.
     instances: Vec<Instance>,
     /// Per part: its slot, `u32::MAX` for a part that is not there.
     slots: Vec<u32>,
+    films: Films,
     top: Top,
 }
 
@@ -173,7 +176,7 @@ impl Geometry {
         let origin = spread.centre();
         let recentre = |to_world: DAffine3| DAffine3 { translation: to_world.translation - origin, ..to_world };
         let to_world: Vec<DAffine3> = scene.parts.iter().map(|part| recentre(part.to_world)).collect();
-        let mut instances: Vec<Instance> = placed
+        let instances: Vec<Instance> = placed
             .iter()
             .map(|(part, solid)| {
                 let solid_bounds = solids[*solid].bounds;
@@ -188,15 +191,19 @@ impl Geometry {
                 )
             })
             .collect();
-        let boxes: Vec<Bounds> = instances.iter().map(|i| i.bounds).collect();
+        // Rays meet films at the surface of what they lie in.
+        let films = Films::of(scene);
+        let (unmet, met) = instances.into_iter().partition::<Vec<_>, _>(|i| films.base(i.part).is_some());
+        let boxes: Vec<Bounds> = met.iter().map(|i| i.bounds).collect();
         let many = || Error::new(Where::Nowhere, "the scene has too many parts").expected("less than 2^32");
         let (top, order) = Top::build(&boxes).ok_or_else(many)?;
-        instances = order.iter().filter_map(|i| instances.get(*i as usize).cloned()).collect();
+        let met = order.iter().filter_map(|i| met.get(*i as usize).cloned());
+        let instances: Vec<Instance> = met.chain(unmet).collect();
         let mut slots = vec![u32::MAX; scene.parts.len()];
         for (slot, instance) in instances.iter().enumerate() {
             slots[instance.part as usize] = slot as u32;
         }
-        Ok(Geometry { origin, to_world, solids, instances, slots, top })
+        Ok(Geometry { origin, to_world, solids, instances, slots, films, top })
     }
 
     /// The faults of [`Geometry::build`], without what makes it large: no triangle is copied and no tree is built.

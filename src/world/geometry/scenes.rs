@@ -186,6 +186,7 @@ pub fn part(mesh: u32, shapes: &[Shape], to_world: DAffine3) -> Part {
         medium: Some(MediumId(0)),
         priority: 0,
         materials: Vec::new(),
+        film_in: None,
         faces: shapes.iter().map(face).collect(),
     }
 }
