@@ -108,9 +108,14 @@ impl Planner<'_> {
                 let left = reached::left_to_eye(self.world, plan, self.groups(), &made, self.stop).max(found.left);
                 plan.unknown_share = (UNKNOWN * left).clamp(least, 1.0);
             }
+            let before = plan.rows.iter().filter(|row| starts_paths(row)).count();
             leave_unconnected(plan, Class::Vision, Some(&pilot.arrived));
             if !plan.runs(Estimator::Forward) {
                 break;
+            }
+            if plan.rows.iter().filter(|row| starts_paths(row)).count() < before {
+                // Of fewer lamps the guide is another.
+                continue;
             }
             // What specular connection leaves is not the light that the pilot has found most of.
             let leaves = |row: &Row| matches!(row.verdict, Verdict::Connect { rest: Estimator::Forward, .. });
@@ -334,6 +339,15 @@ fn leave_unconnected(plan: &mut Plan, class: Class, arrived: Option<&[u64]>) {
                 own(rest, format!("a pilot found no train of specular faces from {between} that could be connected"))
             }
         };
+    }
+}
+
+/// Whether paths start on a row's lamps to arrive in the pupil.
+fn starts_paths(row: &Row) -> bool {
+    match &row.verdict {
+        Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
+        Verdict::Emitted { .. } => true,
+        Verdict::Skip { .. } => false,
     }
 }
 
