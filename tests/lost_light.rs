@@ -5,10 +5,13 @@ use crate::common::*;
 use eyebox::base::ids::GroupId;
 use eyebox::check::check;
 use eyebox::estimate::run::{Films, Limits, begin, drive};
-use eyebox::film::plan::Plan;
+use eyebox::film::plan::{Estimator, Plan};
+use eyebox::estimate::witness::Witness;
+use eyebox::film::witness;
 use eyebox::plan::{Asked, Choice, Guides, plan};
-use eyebox::scene::{Face, Finish, Scene};
+use eyebox::scene::{Face, Finish, Photometry, Scene};
 use eyebox::world::World;
+use eyebox::world::mode::Mono;
 use glam::DVec3;
 
 const SIZE: [usize; 2] = [24, 16];
@@ -227,4 +230,60 @@ fn images_of_lamps_are_in_the_first_passes() {
         assert!(worst < 0.2 + by, "{name}: {worst}");
         assert!(without > 2.0 * worst, "{name}: {without} {worst}");
     }
+}
+
+/// What rays from the eye trace themselves has a witness, too: light followed from its lamps. It leaves pictures alone that have it, and
+/// names the part of one from which a small lamp, one behind a hole, or a screen that is lit by one is missing.
+#[test]
+fn what_rays_from_the_eye_lose_is_followed_from_the_lamps() {
+    let scenes = [
+        ("small lamp", plain([1e-4, 1e-4], 0.5).0),
+        ("hole", through_a_hole([4e-5, 4e-5]).0),
+        ("lit screen", lit_screen()),
+    ];
+    for (name, scene) in scenes {
+        let mut dark = scene.clone();
+        let lamp = dark.parts.last_mut().and_then(|part| part.faces.last_mut()).and_then(|face| face.emitter.as_mut());
+        lamp.expect("it shines").photometry = Photometry::LuminanceCdM2(1e-9);
+        let planned = |scene: &Scene| {
+            let world = World::freeze(scene).expect("sound");
+            let asked = Asked { choice: Choice::Only(Estimator::Backward), ..Asked::default() };
+            let plan = plan(&check(scene).expect("sound"), &world, asked);
+            (world, plan)
+        };
+        let groups = scene.groups.len();
+        let [(world, plan), (dark_world, dark_plan)] = [&scene, &dark].map(planned);
+        for seed in 1..=8 {
+            let mut watching =
+                Witness::<Mono<f64>>::new(&world, &plan, groups, (SIZE, None), seed).expect("lamps are followed");
+            watching.attend(&(0..64).map(|pass| (pass, 6_000_000)).collect::<Vec<_>>());
+            let judged = |world: &World, plan: &Plan| {
+                let mut tracing = begin(world, plan, groups, SIZE, seed);
+                tracing.step(32);
+                let films = tracing.into_films();
+                witness::judge(&watching.record, &films.films.iter().map(|(_, film, _)| film).collect::<Vec<_>>())
+            };
+            let sound = judged(&world, &plan);
+            let own = sound.judged.iter().find(|own| own.from_lamps).expect("lamps are followed");
+            let [ratio, error] = own.ratio.expect("they are seen");
+            println!("{name}, seed {seed}: {ratio:.4} ± {error:.4}, {} samples", own.looks);
+            assert!(!sound.is_off() && (ratio - 1.0).abs() < 4.0 * error, "{name}, seed {seed}: {own:?}");
+            assert!(error < 0.1, "{name}, seed {seed}: {own:?}");
+            let off = judged(&dark_world, &dark_plan).judged.into_iter().find_map(|own| own.off);
+            let off = off.unwrap_or_else(|| panic!("{name}, seed {seed}: nothing is missed"));
+            let right = off.columns.is_none_or(|[_, last]| last > RIGHT);
+            assert!(off.sigmas < -4.0 && right, "{name}, seed {seed}: {off:?}");
+        }
+    }
+}
+
+/// A white screen in the right half of the picture, lit from the side by a lamp that no ray sees.
+fn lit_screen() -> Scene {
+    let (mut s, group, ..) = half();
+    let screen = face(Finish::Lambert { reflectance: 0.8, transmittance: 0.0 });
+    let wide = facing(DVec3::new(0.04, 0.0, -0.5), [0.02, 0.05]);
+    add_part(&mut s, "screen", mesh(&[wide]), DVec3::ZERO, None, vec![screen]);
+    let lamp = quad(DVec3::new(0.2, 0.0, -0.45), DVec3::Z * 0.01, DVec3::Y * 0.01);
+    add_part(&mut s, "lamp", mesh(&[lamp]), DVec3::ZERO, None, vec![shines(group, 1e6)]);
+    s
 }

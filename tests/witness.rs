@@ -70,8 +70,9 @@ fn judged(witness: &eyebox::film::witness::Witness, films: &Films) -> Judgement 
 }
 
 fn only(judgement: &Judgement) -> &Judged {
-    assert_eq!(judgement.judged.len(), 1, "{judgement:?}");
-    &judgement.judged[0]
+    let by_looks: Vec<&Judged> = judgement.judged.iter().filter(|own| !own.from_lamps).collect();
+    assert_eq!(by_looks.len(), 1, "{judgement:?}");
+    by_looks[0]
 }
 
 /// Less light than there is, by `sigmas` below 0, or more.

@@ -39,7 +39,7 @@ impl Observer for Watchful<'_, '_> {
     fn block(&mut self, status: &Status, films: &Films) -> bool {
         let go_on = self.saver.block(status, films);
         if self.asks && status.passes >= 2 && status.doubled {
-            self.off = films.judgement().is_some_and(|judgement| judgement.is_off());
+            self.off = films.judgement().is_some_and(|judgement| judgement.asks_for_others());
         }
         go_on && !self.off
     }
@@ -57,7 +57,7 @@ pub fn traced(
     let (first, off) = once(run, plan, start, limits, saver)?;
     let judgement = first.films.judgement();
     let stopped = first.stop == Stop::Asked && !off;
-    let found = judgement.as_ref().filter(|judgement| judgement.is_off() && run.may_change && !stopped);
+    let found = judgement.as_ref().filter(|judgement| judgement.asks_for_others() && run.may_change && !stopped);
     let left = limits.time.map(|time| time.saturating_sub(first.elapsed));
     let Some(found) = found.filter(|_| left.is_none_or(|left| !left.is_zero())) else {
         return Some(Seen { outcome: first, judgement, warnings: Vec::new() });
@@ -96,7 +96,7 @@ fn once(
 fn naively(plan: &mut Plan, found: &Judgement) -> Vec<Row> {
     let mut changed = Vec::new();
     for judged in &found.judged {
-        let Some(off) = &judged.off else { continue };
+        let Some(off) = judged.off.as_ref().filter(|_| !judged.from_lamps) else { continue };
         let of_it = |row: &&mut Row| row.group == judged.group && judged.classes.contains(&row.class);
         for row in plan.rows.iter_mut().filter(of_it) {
             let because = format!(

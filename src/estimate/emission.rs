@@ -15,6 +15,7 @@ use eyebox_base::rng::Rng;
 use eyebox_film::guide::{Guide, Point, Sample};
 use eyebox_world::World;
 use eyebox_world::geometry::{Ray, Site};
+use eyebox_world::lamp::LampPoint;
 use eyebox_world::mode::{Mode, lanes};
 use eyebox_world::optics::Optics;
 use glam::DVec3;
@@ -58,6 +59,32 @@ pub struct Started<'w, M: Mode> {
     pub lamp: usize,
     pub x: Point,
     pub density: f64,
+}
+
+/// Starts a path at a place on an emitting face, with so many lumens of its even light; none where a display is dark around its picture.
+pub fn leave_face<'w, M: Mode>(
+    (world, optics): (&'w World, &'w Optics<M>),
+    index: usize,
+    (point, dir): (&LampPoint, DVec3),
+    lumens: f64,
+    rng: Rng,
+) -> Option<(Walker<'w, M>, Origin)> {
+    let lamp = world.lamps.get(index)?;
+    let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
+    let ray = Ray { origin: point.position, dir, from: Some(from) };
+    let origin = Origin { group: lamp.group, visible: true, face: Some((index, point.position, point.normal)) };
+    let tint = optics.lamp_at(index, lamp.glow(point, dir));
+    let (interior, weights) = (world.lamp_interiors[index], lanes::<M, _>(|lane| lumens * tint[lane]));
+    let walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
+    let mut walker = walker.from_face(point.normal);
+    if let Some(sieve) = &world.sieve {
+        walker.told = sieve.lamp(origin.group.index(), lpe::Source::Face);
+    }
+    if let Some(light) = lamp.polarisation {
+        walker.beam = walker.beam.polarised(light, dir, false);
+    }
+    walker.beam = walker.beam.shown((world, optics), lamp, point.position)?;
+    Some((walker, origin))
 }
 
 impl Emission {
@@ -110,48 +137,26 @@ impl Emission {
         let total: f64 = self.flux.iter().sum();
         let flux_lm = total / shots.paths as f64 / drawn.density;
         let [place, uv] = [[drawn.x[0], drawn.x[1]], [drawn.x[2], drawn.x[3]]];
-        let (ray, interior, origin, tint) = match self.sources[drawn.lamp] {
+        let (walker, origin) = match self.sources[drawn.lamp] {
             Source::Face(index) => {
                 let lamp = &world.lamps.all()[index];
                 let point = lamp.sample_point(place);
                 let dir = lamp.sample_direction(point.normal, uv);
-                let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
-                let ray = Ray { origin: point.position, dir, from: Some(from) };
-                (
-                    ray,
-                    world.lamp_interiors[index],
-                    Origin { group: lamp.group, visible: true, face: Some((index, point.position, point.normal)) },
-                    optics.lamp_at(index, lamp.glow(&point, dir)),
-                )
+                leave_face((world, optics), index, (&point, dir), flux_lm, rng)?
             }
             Source::Light(index) => {
                 let light = &world.lights.all()[index];
                 let (ray, interior) = world.start_of_light(index, place, uv);
-                let from = Origin { group: light.group(), visible: light.has_luminance(), face: None };
-                (ray, interior, from, optics.light(index))
+                let origin = Origin { group: light.group(), visible: light.has_luminance(), face: None };
+                let tint = optics.light(index);
+                let weights = lanes::<M, _>(|lane| flux_lm * tint[lane]);
+                let mut walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
+                if let Some(sieve) = &world.sieve {
+                    walker.told = sieve.lamp(origin.group.index(), lpe::Source::Light);
+                }
+                (walker, origin)
             }
         };
-        let dir = ray.dir;
-        let weights = lanes::<M, _>(|lane| flux_lm * tint[lane]);
-        let mut walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
-        if let Some((.., normal)) = origin.face {
-            walker = walker.from_face(normal);
-        }
-        if let Some(sieve) = &world.sieve {
-            let source = match self.sources[drawn.lamp] {
-                Source::Face(_) => lpe::Source::Face,
-                Source::Light(_) => lpe::Source::Light,
-            };
-            walker.told = sieve.lamp(origin.group.index(), source);
-        }
-        if let Source::Face(index) = self.sources[drawn.lamp]
-            && let Some(light) = world.lamps.all()[index].polarisation
-        {
-            walker.beam = walker.beam.polarised(light, dir, false);
-        }
-        if let Some((lamp, place, _)) = origin.face {
-            walker.beam = walker.beam.shown((world, optics), &world.lamps.all()[lamp], place)?;
-        }
         Some(Started { walker, origin, lamp: drawn.lamp, x: drawn.x, density: drawn.density })
     }
 

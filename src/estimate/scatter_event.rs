@@ -5,7 +5,7 @@ use super::walk::{Meeting, Vertex, Walker};
 use eyebox_base::lpe::Letter;
 use eyebox_base::path::Event;
 use eyebox_base::warp::Frame;
-use eyebox_world::mode::{Mode, lanes};
+use eyebox_world::mode::{LaneArray, Mode, lanes};
 use eyebox_world::scatter::{Look, Point, Principled, Scatter, Sides};
 use eyebox_world::stokes::{Amount, Facets};
 use glam::DVec3;
@@ -161,6 +161,37 @@ impl<'w, M: Mode> Walker<'w, M> {
             Meeting::Went => Some(sampled.pdf),
             Meeting::Ended | Meeting::Scatter(..) => None,
         }
+    }
+
+    /// Scatters in a given direction, into a small solid angle (sr) about it. False where no light goes there.
+    pub fn scatter_towards(
+        &mut self,
+        vertex: &Vertex,
+        (scatter, frame): (&Scatter, &Frame),
+        (dir, solid_angle): (DVec3, f64),
+        ledger: &mut Ledger,
+    ) -> bool {
+        let (d_in, d_out) = (frame.to_local(self.ray.dir), frame.to_local(dir));
+        let (values, alone) = {
+            let sides = self.sides(vertex, scatter);
+            let (values, alone) = sides.eval(scatter, d_in, d_out);
+            let facets = sides.facets(scatter, (d_in, d_out), &values);
+            self.beam.scale_lanes(&lanes::<M, _>(|lane| values[lane] * d_out.z.abs() * solid_angle));
+            self.beam.scatter(facets.as_ref(), [self.ray.dir, dir], self.is_from_eye());
+            (values, alone)
+        };
+        if values.as_slice().iter().all(|value| *value <= 0.0) {
+            return false;
+        }
+        if alone {
+            self.beam.part();
+        }
+        self.trail = self.trail.then(scatter.event());
+        self.unlink();
+        self.tell(Letter::of(scatter.event(), d_out.z < 0.0));
+        // The weight is that of few paths, and no reason to end one.
+        self.start_weight = self.start_weight.min(self.beam.weight());
+        matches!(self.go(vertex, dir, d_out.z < 0.0, ledger), Meeting::Went)
     }
 
     /// What `scatter` depends on at `vertex`: indices on both sides of the face, or what the material is there.

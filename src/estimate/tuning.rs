@@ -175,6 +175,13 @@ pub(super) mod witness {
     pub const CHUNK: u64 = 4;
     /// Times that a pass looks at a pixel, at most.
     pub const MOST_TIMES: u64 = 64;
+    /// Of light that is followed from the lamps: the share of the work where nobody else looks, and where others do; the paths of a sample;
+    /// samples that tell what one costs, and a pass's most; faces that a path which is aimed at the pupil may meet.
+    pub const SHARE_OF_SENT: [f64; 2] = [0.02, 0.006];
+    pub const PATHS: u64 = 256;
+    pub const TRIED_SAMPLES: u64 = 4;
+    pub const MOST_SAMPLES: u64 = 64;
+    pub const MOST_FACES: usize = 32;
     /// A pass of no run: that of the looks that tell the cost.
     pub const BEFORE: u64 = u64::MAX / 2;
 }

@@ -4,15 +4,22 @@
 //! in the pupil lamps are seen, and where light that lands about a place came from; a share of them goes anywhere. What they see goes into no picture;
 //! [`judge`](eyebox_film::witness::judge) holds it against one.
 //!
+//! What such paths have traced themselves is followed from the lamps (`from_lamps`).
+//!
 //! How many looks a pass gets is a function of that pass: its counted work over that of a look, which a few looks before the
 //! first pass tell. So the same looks are made in whatever pieces the passes are.
+
+mod from_lamps;
 
 use super::backward::{Backward, Glow};
 use super::ledger::Ledger;
 use super::ownership::Ownership;
 use super::photon::{Landing, PhotonMapper};
 use super::pixel::Pixel;
-use super::tuning::witness::{BEFORE, CHUNK, ENOUGH, MOST_TIMES, PHOTONS, ROUNDS, SELDOM, SHARE, TRIED};
+use super::tuning::witness::{
+    BEFORE, CHUNK, ENOUGH, MOST_SAMPLES, MOST_TIMES, PHOTONS, ROUNDS, SELDOM, SHARE, SHARE_OF_SENT, TRIED,
+    TRIED_SAMPLES,
+};
 use super::vision::Hints;
 use crate::manifold::receiver::Receivers;
 use eyebox_base::ids::GroupId;
@@ -26,6 +33,7 @@ use eyebox_world::World;
 use eyebox_world::lamp::Lamp;
 use eyebox_world::mode::{Mode, Mono, components};
 use eyebox_world::surface::Surface;
+use from_lamps::FromLamps;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -38,11 +46,13 @@ pub struct Witness<'w, M: Mode> {
     seed: u64,
     /// Counted work of a look.
     cost: f64,
+    /// What rays from the eye trace themselves, followed from the lamps; with the counted work of a sample of it.
+    sent: Option<(FromLamps<'w>, f64)>,
     pub record: Record,
 }
 
 impl<'w, M: Mode> Witness<'w, M> {
-    /// None if naive paths trace all of the plan's light themselves. `guide`: where in the pupil lamps are seen; a share of the
+    /// None if there is no light. `guide`: where in the pupil lamps are seen; a share of the
     /// rays goes anywhere.
     pub fn new(
         world: &'w World,
@@ -51,8 +61,14 @@ impl<'w, M: Mode> Witness<'w, M> {
         (size, guide): ([usize; 2], Option<&ApertureGuide>),
         seed: u64,
     ) -> Option<Self> {
-        let (watched, unwatched) = kinds(world, plan);
-        if watched.is_empty() && unwatched.is_empty() {
+        let (watched, mut unwatched) = kinds(world, plan);
+        // Other numbers than those of paths from the eye that are part of the run.
+        let own_seed = Rng::new(seed, Stream::Witness, 1, 0).next_u64();
+        let (from_lamps, more) = FromLamps::new(world, plan, groups, size, own_seed);
+        unwatched.extend(more);
+        let (from_lamps, sent) = from_lamps.unzip();
+        let sent = sent.unwrap_or_default();
+        if watched.is_empty() && unwatched.is_empty() && sent.is_empty() {
             return None;
         }
         let key = |group: GroupId, class: Class, has_broad: bool| {
@@ -69,8 +85,6 @@ impl<'w, M: Mode> Witness<'w, M> {
             .filter_map(|key| watched.iter().find(|own| (own.layer, own.group) == (key.layer, key.group)).cloned())
             .collect();
         let scatters = watched.iter().any(|own| own.classes.iter().any(|class| *class != Class::Vision));
-        // Other numbers than those of paths from the eye that are part of the run.
-        let own_seed = Rng::new(seed, Stream::Witness, 1, 0).next_u64();
         let hints = Hints { pupil: guide, ..Hints::of_sky(None) };
         let backward = Backward::new(world, route, (u32::from(scatters), 1.0), hints, own_seed);
         let glow = if scatters { glow(world, plan, groups, &key, own_seed) } else { None };
@@ -84,9 +98,16 @@ impl<'w, M: Mode> Witness<'w, M> {
             own.missed = if scattered { missed } else { 0.0 };
             own.brightest *= if own.aimed { SELDOM } else { 1.0 };
         }
-        let record = Record::new(size, seed, watched, unwatched);
-        let mut witness =
-            Witness { world, backward, pixels: pixels(size, seed), width: size[0], seed: own_seed, cost: 1.0, record };
+        let record = Record::new(size, seed, (watched, sent), unwatched);
+        let sent = from_lamps.map(|from_lamps| {
+            let work: u64 = (0..TRIED_SAMPLES).map(|tried| from_lamps.sample::<M>(BEFORE + tried).1).sum();
+            (from_lamps, (work as f64 / TRIED_SAMPLES as f64).max(1.0))
+        });
+        let pixels = pixels(size, seed);
+        let mut witness = Witness { world, backward, pixels, width: size[0], seed: own_seed, cost: 1.0, sent, record };
+        if witness.record.watched.is_empty() {
+            return Some(witness);
+        }
         let looks = witness.looks(BEFORE, TRIED);
         let work = looks.iter().map(|(_, work)| work).sum::<u64>();
         witness.cost = (work as f64 / TRIED as f64).max(1.0);
@@ -95,10 +116,12 @@ impl<'w, M: Mode> Witness<'w, M> {
 
     /// Looks beside passes of these numbers and counted work.
     pub fn attend(&mut self, passes: &[(u64, u64)]) {
-        if self.record.watched.is_empty() {
-            return;
-        }
         for (pass, work) in passes {
+            self.follow_light(*pass, *work);
+            self.record.beside = self.record.beside.saturating_add(*work);
+            if self.record.watched.is_empty() {
+                continue;
+            }
             let mut rng = Rng::new(self.seed, Stream::Witness, 2, *pass);
             let most = MOST_TIMES * self.pixels.len() as u64;
             // Beyond the whole ones chance decides.
@@ -110,7 +133,20 @@ impl<'w, M: Mode> Witness<'w, M> {
                 }
                 self.record.work = self.record.work.saturating_add(work);
             }
-            self.record.beside = self.record.beside.saturating_add(*work);
+        }
+    }
+
+    /// Follows light from the lamps beside a pass of this number and counted work.
+    fn follow_light(&mut self, pass: u64, work: u64) {
+        let Some((from_lamps, cost)) = &self.sent else { return };
+        let share = SHARE_OF_SENT[usize::from(!self.record.watched.is_empty())];
+        let mut rng = Rng::new(self.seed, Stream::Witness, 6, pass);
+        let count = ((share * work as f64 / cost + rng.uniform()) as u64).min(MOST_SAMPLES);
+        let number = |sample: u64| pass.wrapping_mul(MOST_SAMPLES).wrapping_add(sample);
+        let samples: Vec<_> = (0..count).into_par_iter().map(|sample| from_lamps.sample::<M>(number(sample))).collect();
+        for (parts, work) in samples {
+            self.record.sent.iter_mut().zip(&parts).for_each(|(sent, parts)| sent.add(parts));
+            self.record.work = self.record.work.saturating_add(work);
         }
     }
 

@@ -2,6 +2,7 @@
 //! kept apart from the films that become the picture. What it tells of them: [`judge`].
 
 mod judge;
+mod sent;
 mod words;
 
 use super::layer::Layer;
@@ -11,6 +12,7 @@ use eyebox_base::lattice::lattice;
 use eyebox_base::path::Class;
 use eyebox_base::rng::{Rng, Stream};
 pub use judge::{Judged, Judgement, Off, judge};
+pub use sent::Sent;
 use std::collections::{BTreeMap, HashSet};
 
 /// Pixels that a witness looks at, again and again: what a pixel shows then counts against what it shows itself, and not
@@ -87,6 +89,9 @@ pub struct Witness {
     pub size: [usize; 2],
     pub seed: u64,
     pub watched: Vec<Watched>,
+    /// What rays from the eye trace, looked for from the lamps.
+    #[serde(default)]
+    pub sent: Vec<Sent>,
     pub unwatched: Vec<Unwatched>,
     /// Looks at each of [`pixels`].
     counts: Vec<u64>,
@@ -117,12 +122,18 @@ pub fn pixels([width, height]: [usize; 2], seed: u64) -> Vec<u32> {
 }
 
 impl Witness {
-    pub fn new(size: [usize; 2], seed: u64, watched: Vec<Watched>, unwatched: Vec<Unwatched>) -> Witness {
+    pub fn new(
+        size: [usize; 2],
+        seed: u64,
+        (watched, sent): (Vec<Watched>, Vec<Sent>),
+        unwatched: Vec<Unwatched>,
+    ) -> Witness {
         let (slots, rows) = (pixels(size, seed).len(), watched.len());
         Witness {
             size,
             seed,
             watched,
+            sent,
             unwatched,
             counts: vec![0; slots],
             sums: vec![[Sum::ZERO; 2]; slots * rows],
@@ -168,6 +179,9 @@ impl Witness {
     #[must_use]
     pub fn merge(&mut self, other: &Witness) -> bool {
         let alike = (self.size, self.seed, &self.watched) == (other.size, other.seed, &other.watched);
+        let alike = alike
+            && self.sent.len() == other.sent.len()
+            && self.sent.iter().zip(&other.sent).all(|(own, more)| own.is_like(more));
         if !alike || !self.is_sound() || !other.is_sound() {
             return false;
         }
@@ -177,6 +191,7 @@ impl Witness {
         for (own, more) in self.tallies.as_flattened_mut().iter_mut().zip(other.tallies.as_flattened()) {
             own.merge(more);
         }
+        self.sent.iter_mut().zip(&other.sent).for_each(|(own, more)| own.merge(more));
         self.work = self.work.saturating_add(other.work);
         self.beside = self.beside.saturating_add(other.beside);
         true
@@ -192,6 +207,7 @@ impl Witness {
             && slots == pixels(self.size, self.seed).len()
             && slots.checked_mul(rows) == Some(self.sums.len())
             && rows == self.tallies.len()
+            && self.sent.iter().all(Sent::is_sound)
             && sums.into_iter().all(|sum| sum.is_finite())
     }
 }

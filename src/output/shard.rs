@@ -22,7 +22,7 @@ use std::path::Path;
 /// The attribute that makes an EXR a shard.
 const KEY: &str = "shard";
 /// What the sums mean; another number when they come to mean something else. Programs before there was one wrote none.
-const FORMAT: u32 = 7;
+const FORMAT: u32 = 8;
 /// The layer of the sums.
 const SUMS: &str = "sums";
 const BITS: u32 = 24;

@@ -9,7 +9,7 @@
 //! those met elsewhere, and tails are those of sums of bounded terms (S. Bernstein's inequality): the chance to miss it all is
 //! e^−λ for λ lumps to be expected, not that of a Gaussian. *What is known to be off*: blur and tables say by how much.
 
-use super::{Unwatched, Witness, pixels};
+use super::{Unwatched, Witness, pixels, sent};
 use crate::accumulate::{Components, Film};
 use crate::layer::Layer;
 use crate::totals::{ACROSS, DOWN, PARTS, part_of};
@@ -51,6 +51,10 @@ pub struct Judged {
     pub layer: Layer,
     pub group: GroupId,
     pub classes: Vec<Class>,
+    /// It was looked for from the lamps: what was found is the least that there is. Else by rays from the eye.
+    #[serde(default)]
+    pub from_lamps: bool,
+    /// Looks, or samples of what lamps send.
     pub looks: u64,
     /// Those that brought light, with all slides open.
     pub lit: u64,
@@ -74,6 +78,11 @@ pub struct Judgement {
 }
 
 impl Judgement {
+    /// Whether light is off that rays from the eye can trace in the place of who has it.
+    pub fn asks_for_others(&self) -> bool {
+        self.judged.iter().any(|judged| judged.off.is_some() && !judged.from_lamps)
+    }
+
     /// Whether any light is off.
     pub fn is_off(&self) -> bool {
         self.judged.iter().any(|judged| judged.off.is_some())
@@ -101,7 +110,7 @@ struct Light {
 pub fn judge(witness: &Witness, films: &[&Film]) -> Judgement {
     let places = pixels(witness.size, witness.seed);
     // Half of what may be by chance for the whole picture, which is told best, half for its parts.
-    let tests = witness.watched.len() * 2 * CHECKS;
+    let tests = (witness.watched.len() + witness.sent.len()) * 2 * CHECKS;
     let limits = [tests, tests * (PARTS - 1)].map(|tests| sidak_z(normal_tail(SIGMAS), tests));
     let part_of_slot = |slot: usize| {
         let (pixel, [width, _]) = (places[slot] as usize, witness.size);
@@ -139,6 +148,7 @@ pub fn judge(witness: &Witness, films: &[&Film]) -> Judgement {
             layer: watched.layer,
             group: watched.group,
             classes: watched.classes.clone(),
+            from_lamps: false,
             looks: witness.looks(),
             lit: witness.tally(row)[1].lit,
             ratio: ratio(0),
@@ -146,8 +156,9 @@ pub fn judge(witness: &Witness, films: &[&Film]) -> Judgement {
             off: offs.reduce(worst),
         }
     };
+    let looked = witness.watched.iter().enumerate().map(judged);
     Judgement {
-        judged: witness.watched.iter().enumerate().map(judged).collect(),
+        judged: looked.chain(sent::judge(witness, films, limits)).collect(),
         unwatched: witness.unwatched.clone(),
         limits,
         share: witness.work as f64 / witness.beside.max(1) as f64,
@@ -155,7 +166,7 @@ pub fn judge(witness: &Witness, films: &[&Film]) -> Judgement {
 }
 
 /// Columns and rows of a part; none of the whole.
-fn span(part: usize, [width, height]: [usize; 2]) -> [Option<[usize; 2]>; 2] {
+pub(super) fn span(part: usize, [width, height]: [usize; 2]) -> [Option<[usize; 2]>; 2] {
     let Some(part) = part.checked_sub(1) else { return [None; 2] };
     let along = |index: usize, of: usize, count: usize| {
         let first = |index: usize| (index * count).div_ceil(of);
@@ -213,7 +224,7 @@ fn light_of(witness: &Witness, films: &[&Film], places: &[u32], row: usize) -> L
 
 /// How many times further than four standard deviations of a Gaussian those of Student's distribution are as unlikely
 /// (D. L. Wallace, Ann. Math. Stat. 30, 1959, solved for t).
-fn of_student(freedom: f64) -> f64 {
+pub(super) fn of_student(freedom: f64) -> f64 {
     if freedom < 1.0 {
         return f64::INFINITY;
     }
@@ -222,7 +233,7 @@ fn of_student(freedom: f64) -> f64 {
 }
 
 /// The z of a Gaussian that is as unlikely as a t of Student's distribution (the same).
-fn as_normal(t: f64, freedom: f64) -> f64 {
+pub(super) fn as_normal(t: f64, freedom: f64) -> f64 {
     (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0) * (freedom * (t * t / freedom).ln_1p()).sqrt()
 }
 

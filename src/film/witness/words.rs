@@ -1,5 +1,6 @@
 //! What a witness says, for people.
 
+use super::sent::FEWEST;
 use super::{Judged, Judgement, Off};
 use eyebox_base::ids::GroupId;
 use eyebox_base::path::Class;
@@ -33,14 +34,18 @@ impl Off {
     }
 
     /// Which way, where and by how much.
-    pub fn text(&self) -> String {
+    pub fn text(&self, from_lamps: bool) -> String {
         let which = if self.sigmas > 0.0 { "bright" } else { "dark" };
         let open = if self.open { ", with the slides open" } else { "" };
         let sigmas = if self.sigmas.is_finite() { format!("{:.1}", self.sigmas.abs()) } else { "∞".to_owned() };
         let [run, seen, error] = [self.run, self.witness, self.error].map(number);
-        format!("too {which} {}: {run} cd/m² for {seen} of brute force, ± {error}, {sigmas} σ{open}", self.place())
+        let by = if from_lamps { "followed from the lamps" } else { "of brute force" };
+        format!("too {which} {}: {run} cd/m² for {seen} {by}, ± {error}, {sigmas} σ{open}", self.place())
     }
 }
+
+/// Standard errors by which a picture is brighter than what was followed from the lamps where there is more light than that.
+const BEYOND: f64 = 4.0;
 
 impl Judged {
     /// The light, for people: `led vision`. `group`: its name.
@@ -50,6 +55,23 @@ impl Judged {
 
     fn line(&self, group: &str) -> String {
         let what = named(group, &self.classes);
+        if self.from_lamps {
+            return match self.ratio {
+                Some([ratio, error]) if ratio - 1.0 > BEYOND * error => {
+                    let percent = 100.0 / ratio;
+                    format!(
+                        "witness: {what}: {percent:.0} % of it was followed from the lamps and is there, the rest comes another way"
+                    )
+                }
+                Some(ratio) => format!("witness: {what} {} of what was followed from the lamps", with_error(ratio)),
+                None if self.looks < FEWEST => {
+                    format!("witness: {what}: too little work to follow light from the lamps")
+                }
+                None => format!(
+                    "witness: {what}: none of the light that was followed from the lamps came straight to the eye"
+                ),
+            };
+        }
         match self.ratio {
             Some(ratio) => format!("witness: {what} {} of brute force", with_error(ratio)),
             None if self.looks == 0 => format!("witness: {what}: too little work for a look"),
@@ -73,7 +95,7 @@ impl Judgement {
     pub fn warnings(&self, name: &dyn Fn(GroupId) -> String) -> Vec<String> {
         let off = |judged: &Judged| {
             let what = named(&name(judged.group), &judged.classes);
-            judged.off.as_ref().map(|off| format!("witness: {what} is {}", off.text()))
+            judged.off.as_ref().map(|off| format!("witness: {what} is {}", off.text(judged.from_lamps)))
         };
         self.judged.iter().filter_map(off).collect()
     }

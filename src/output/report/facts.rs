@@ -3,7 +3,7 @@
 use crate::field::Field;
 use eyebox_base::ids::GroupId;
 use eyebox_film::frame::{Frame, Meta};
-use eyebox_film::witness::{Judgement, Off};
+use eyebox_film::witness::Judgement;
 use serde_json::{Value, json};
 
 /// A header's value for people; none if it is missing or empty.
@@ -100,7 +100,7 @@ pub fn witness(frame: &Frame) -> Value {
             let [ratio, error] = own.ratio.map_or([None; 2], |[ratio, error]| [Some(ratio), Some(error)]);
             json!({
                 "name": own.name(&name(own.group)), "ratio": ratio, "error": error, "looks": own.looks,
-                "off": own.off.as_ref().map_or("no".to_owned(), Off::text),
+                "off": own.off.as_ref().map_or("no".to_owned(), |off| off.text(own.from_lamps)),
             })
         })
         .collect();
