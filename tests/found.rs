@@ -4,6 +4,7 @@ mod coats;
 mod emission;
 mod films;
 mod normals;
+mod overlap;
 mod reading;
 mod usd_light;
 

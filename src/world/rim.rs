@@ -11,6 +11,7 @@ use eyebox_scene::mesh::{FaceRange, Mesh};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Edges that one leaf of a tree holds.
 const LEAF: usize = 2;
@@ -41,13 +42,16 @@ pub struct Rim {
 #[derive(Debug, Default)]
 struct Lines {
     rim: Rim,
-    seams: Rim,
+    /// Looked for where somebody first gathers light on the face: most faces of a scene in which nobody does have none.
+    seams: OnceLock<Rim>,
 }
 
 /// The rims and seams of all faces that scatter, and the outlines of those that reflect, refract, show slides or shine.
 #[derive(Debug, Default)]
 pub struct Rims {
     by_face: HashMap<(u32, u32), Lines>,
+    /// What leaves seams on faces, if one of them scatters.
+    obstacles: Option<seam::Obstacles>,
     outlines: HashMap<(u32, u32), Outline>,
     /// Of faces that show slides or shine.
     pictures: HashMap<(u32, u32), Outline>,
@@ -122,12 +126,20 @@ impl Rims {
                     continue;
                 }
                 let rim = Rim::new(edges);
-                let obstacles = obstacles.get_or_insert_with(|| seam::Obstacles::new(scene, geometry, faces));
-                let seams = Rim::new(obstacles.on((p, f), &rim));
-                by_face.insert((number, f as u32), Lines { rim, seams });
+                obstacles.get_or_insert_with(|| seam::Obstacles::new(scene, geometry, faces));
+                by_face.insert((number, f as u32), Lines { rim, seams: OnceLock::new() });
             }
         }
-        Rims { by_face, outlines, pictures }
+        Rims { by_face, obstacles, outlines, pictures }
+    }
+
+    /// The seams of a face.
+    fn seams<'l>(&self, site: Site, lines: &'l Lines) -> &'l Rim {
+        lines.seams.get_or_init(|| {
+            let face = (site.part as usize, site.face as usize);
+            let seams = self.obstacles.as_ref().map(|obstacles| obstacles.on(face, &lines.rim));
+            Rim::new(seams.unwrap_or_default())
+        })
     }
 
     /// The outline of a face that reflects or refracts; none of one without a rim.
@@ -151,7 +163,7 @@ impl Rims {
         let (x, y) = normal.any_orthonormal_pair();
         let mut view = View { point, plane: [x, y], walls: Vec::new() };
         let mut walls = Vec::new();
-        lines.seams.near(point, radius, |Edge(ends)| walls.push(ends.map(|end| view.flat(end))));
+        self.seams(site, lines).near(point, radius, |Edge(ends)| walls.push(ends.map(|end| view.flat(end))));
         walls.retain(|wall| seam::distance(wall) < radius);
         if walls.is_empty() {
             let mut share = 1.0;
@@ -280,7 +292,7 @@ mod tests {
     }
 
     fn share(corners: &[[f64; 2]], point: [f64; 2], radius: f64) -> f64 {
-        let lines = Lines { rim: rim(corners), seams: Rim::default() };
+        let lines = Lines { rim: rim(corners), seams: OnceLock::new() };
         let rims = Rims { by_face: HashMap::from([((0, 0), lines)]), ..Rims::default() };
         let site = Site { part: 0, face: 0, triangle: 0 };
         rims.around(site, DVec3::new(point[0], point[1], 0.0), DVec3::Z, radius).share

@@ -6,9 +6,10 @@ use super::geometry::Geometry;
 use super::rim::{Edge, Rim};
 use super::surface::{FaceOptics, Surface};
 use arrayvec::ArrayVec;
-use eyebox_scene::Scene;
-use glam::{DVec2, DVec3};
+use eyebox_scene::{Mesh, Scene};
+use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::TAU;
+use std::fmt;
 
 /// Corners of a triangle, recentred world, m.
 type Corners = [DVec3; 3];
@@ -21,13 +22,22 @@ struct Obstacle {
     hi: DVec3,
 }
 
+/// The triangles of a face of a part, world.
+type TrianglesOf = dyn Fn(usize, usize) -> Vec<Corners> + Send + Sync;
+
 /// What may stand on faces.
-pub struct Obstacles<'a> {
+pub struct Obstacles {
     all: Vec<Obstacle>,
-    /// The triangles of a face of a part, world: made where they are looked at, for a mesh may stand in a thousand places.
-    triangles: Box<dyn Fn(usize, usize) -> Vec<Corners> + 'a>,
+    /// Made where they are looked at, for a mesh may stand in a thousand places.
+    triangles: Box<TrianglesOf>,
     /// What f64 may be off by, m.
     grain: f64,
+}
+
+impl fmt::Debug for Obstacles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Obstacles").field("count", &self.all.len()).finish_non_exhaustive()
+    }
 }
 
 fn bounds(triangles: &[Corners]) -> (DVec3, DVec3) {
@@ -35,12 +45,9 @@ fn bounds(triangles: &[Corners]) -> (DVec3, DVec3) {
     corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), corner| (lo.min(*corner), hi.max(*corner)))
 }
 
-/// The triangles of a face of a part, world.
-fn placed_triangles(scene: &Scene, geometry: &Geometry, part: usize, face: usize) -> Vec<Corners> {
-    let mesh = scene.parts.get(part).and_then(|placed| scene.meshes.get(placed.mesh.index()));
-    let (Some(mesh), Ok(number)) = (mesh, u32::try_from(part)) else { return Vec::new() };
+/// The triangles of a face of a mesh, world.
+fn placed_triangles(mesh: &Mesh, to_world: &DAffine3, face: usize) -> Vec<Corners> {
     let Some(range) = mesh.faces.get(face) else { return Vec::new() };
-    let to_world = geometry.part_to_world(number);
     let corner = |v: u32| {
         let place = mesh.positions.get(v as usize)?;
         Some(to_world.transform_point3(DVec3::from(place.map(f64::from))))
@@ -49,11 +56,14 @@ fn placed_triangles(scene: &Scene, geometry: &Geometry, part: usize, face: usize
     triangles.iter().filter_map(|[a, b, c]| Some([corner(*a)?, corner(*b)?, corner(*c)?])).collect()
 }
 
-impl<'a> Obstacles<'a> {
-    pub fn new(scene: &'a Scene, geometry: &'a Geometry, faces: &[Vec<FaceOptics>]) -> Obstacles<'a> {
-        let mut all = Vec::new();
+impl Obstacles {
+    pub fn new(scene: &Scene, geometry: &Geometry, faces: &[Vec<FaceOptics>]) -> Obstacles {
+        let (mut all, mut placed_meshes) = (Vec::new(), Vec::new());
         for (part, (placed, optics)) in scene.parts.iter().zip(faces).enumerate() {
-            let Some(mesh) = scene.meshes.get(placed.mesh.index()) else { continue };
+            let mesh = scene.meshes.get(placed.mesh.index());
+            let mesh = mesh.zip(u32::try_from(part).ok().map(|number| geometry.part_to_world(number)));
+            placed_meshes.push(mesh.map(|(mesh, to_world)| (mesh.clone(), to_world)));
+            let Some((mesh, to_world)) = mesh else { continue };
             for (face, optics) in (0..mesh.faces.len()).zip(optics) {
                 let is_there = match &optics.surface {
                     Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) => false,
@@ -67,11 +77,14 @@ impl<'a> Obstacles<'a> {
                 if !is_there {
                     continue;
                 }
-                let (lo, hi) = bounds(&placed_triangles(scene, geometry, part, face));
+                let (lo, hi) = bounds(&placed_triangles(mesh, &to_world, face));
                 all.push(Obstacle { part, face, lo, hi });
             }
         }
-        let triangles = Box::new(move |part, face| placed_triangles(scene, geometry, part, face));
+        let triangles = Box::new(move |part: usize, face| match placed_meshes.get(part) {
+            Some(Some((mesh, to_world))) => placed_triangles(mesh, to_world, face),
+            Some(None) | None => Vec::new(),
+        });
         Obstacles { all, triangles, grain: grain(geometry) }
     }
 
@@ -103,6 +116,9 @@ impl<'a> Obstacles<'a> {
     }
 }
 
+/// A triangle's number in its list, and its box.
+type Boxed = (usize, DVec3, DVec3);
+
 /// Calls `visit` with the pairs of triangles whose boxes come within `reach` of each other, in a fixed order.
 fn pairs(
     (own, of_own): (&Obstacle, &[Corners]),
@@ -110,36 +126,56 @@ fn pairs(
     reach: f64,
     mut visit: impl FnMut(&Corners, &Corners),
 ) {
-    let reaching = DVec3::splat(reach);
-    // Only what lies where both are; along the axis on which that is longest they are swept.
-    let (lo, hi) = (own.lo.max(other.lo) - reaching, own.hi.min(other.hi) + reaching);
-    let axis = (hi - lo).max_position();
-    let listed = |triangles: &[Corners]| {
+    let boxed = |triangles: &[Corners]| -> Vec<Boxed> {
         let boxes = triangles.iter().enumerate().map(|(index, triangle)| {
             let (low, high) = bounds(std::slice::from_ref(triangle));
             (index, low, high)
         });
-        let mut list: Vec<(usize, DVec3, DVec3)> =
-            boxes.filter(|(_, low, high)| low.cmple(hi).all() && high.cmpge(lo).all()).collect();
-        list.sort_by(|a, b| a.1[axis].total_cmp(&b.1[axis]));
-        list
+        boxes.collect()
     };
-    let (first, second) = (listed(of_own), listed(of_other));
-    let mut open: Vec<usize> = Vec::new();
-    let mut next = 0;
-    for (index, low, high) in &first {
-        while second.get(next).is_some_and(|(_, second_low, _)| second_low[axis] <= high[axis] + reach) {
-            open.push(next);
-            next += 1;
-        }
-        // What ends before this one begins ends before all later ones.
-        open.retain(|place| second[*place].2[axis] + reach >= low[axis]);
-        for (its, its_low, its_high) in open.iter().map(|place| &second[*place]) {
-            let apart = (*its_low - *high).max(*low - *its_high).max_element();
-            if apart <= reach {
-                visit(&of_own[*index], &of_other[*its]);
+    let near = |all: Vec<Boxed>, of: &Obstacle| within(all, (of.lo, of.hi), reach);
+    let (first, second) = (near(boxed(of_own), other), near(boxed(of_other), own));
+    halve(first, second, reach, &mut |one, two| visit(&of_own[one], &of_other[two]));
+}
+
+/// The boxes that come within `reach` of a box.
+fn within(mut all: Vec<Boxed>, (lo, hi): (DVec3, DVec3), reach: f64) -> Vec<Boxed> {
+    all.retain(|(_, low, high)| (lo - *high).max(*low - hi).max_element() <= reach);
+    all
+}
+
+/// The pairs of two lists, by halves of the longer one, each with what of the other comes near it: the work is that of sorting
+/// and of the pairs that there are, wherever the lists lie.
+fn halve(first: Vec<Boxed>, second: Vec<Boxed>, reach: f64, visit: &mut impl FnMut(usize, usize)) {
+    /// As many pairs are looked at one by one.
+    const FEW: usize = 64;
+    if first.is_empty() || second.is_empty() {
+        return;
+    }
+    if first.len() * second.len() <= FEW {
+        for (one, low, high) in &first {
+            for (two, its_low, its_high) in &second {
+                if (*its_low - *high).max(*low - *its_high).max_element() <= reach {
+                    visit(*one, *two);
+                }
             }
         }
+        return;
+    }
+    let is_first = first.len() >= second.len();
+    let (mut longer, other) = if is_first { (first, second) } else { (second, first) };
+    let about = |all: &[Boxed]| {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        all.iter().fold(start, |(lo, hi), (_, low, high)| (lo.min(*low), hi.max(*high)))
+    };
+    let (lo, hi) = about(&longer);
+    let axis = (hi - lo).max_position();
+    longer.sort_by(|(_, a, b), (_, c, d)| (a[axis] + b[axis]).total_cmp(&(c[axis] + d[axis])));
+    let upper = longer.split_off(longer.len() / 2);
+    for half in [longer, upper] {
+        let near = within(other.clone(), about(&half), reach);
+        let (first, second) = if is_first { (half, near) } else { (near, half) };
+        halve(first, second, reach, visit);
     }
 }
 
@@ -260,7 +296,7 @@ mod tests {
     }
 
     /// The first is face 0 of a part.
-    fn obstacles(faces: Vec<Vec<Corners>>) -> Obstacles<'static> {
+    fn obstacles(faces: Vec<Vec<Corners>>) -> Obstacles {
         let of = |(face, triangles): (usize, &Vec<Corners>)| {
             let (lo, hi) = bounds(triangles);
             Obstacle { part: 0, face, lo, hi }
@@ -306,6 +342,48 @@ mod tests {
         let about = [DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y];
         let room = about.map(|out| quad(out + DVec3::Z * 0.9, out.cross(DVec3::Z), DVec3::Z * 0.9));
         assert_eq!(length(room.to_vec()), 0.0);
+    }
+
+    /// A sphere about a place, as triangles.
+    fn sphere(centre: DVec3, rings: usize) -> Vec<Corners> {
+        let at = |i: usize, j: usize| {
+            let (up, round) = (std::f64::consts::PI * i as f64 / rings as f64, TAU * j as f64 / rings as f64);
+            centre + DVec3::new(up.sin() * round.cos(), up.sin() * round.sin(), up.cos())
+        };
+        let both = |k: usize| {
+            let (i, j) = (k / rings, k % rings);
+            let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            [[a, b, c], [a, c, d]]
+        };
+        (0..rings * rings).flat_map(both).collect()
+    }
+
+    /// Of two lists that lie in one place the pairs are those that all against all finds, each once.
+    #[test]
+    fn pairs_of_what_overlaps() {
+        let lists = [sphere(DVec3::ZERO, 14), sphere(DVec3::new(0.03, 0.01, -0.02), 17), sphere(DVec3::X * 1.9, 9)];
+        let boxes = |list: &[Corners]| list.iter().map(|own| bounds(&[*own])).collect::<Vec<_>>();
+        for (one, two) in [(0, 1), (1, 0), (0, 2), (2, 2)] {
+            let (own, its) = (boxes(&lists[one]), boxes(&lists[two]));
+            let reach = 1e-9;
+            let mut want = Vec::new();
+            for (i, (low, high)) in own.iter().enumerate() {
+                let near = |(lo, hi): &(DVec3, DVec3)| (*lo - *high).max(*low - *hi).max_element() <= reach;
+                want.extend(its.iter().enumerate().filter(|(_, its)| near(its)).map(|(j, _)| (i, j)));
+            }
+            let obstacle = |list: &[Corners]| {
+                let (lo, hi) = bounds(list);
+                Obstacle { part: 0, face: 0, lo, hi }
+            };
+            let mut found = Vec::new();
+            let number = |list: &[Corners], own: &Corners| list.iter().position(|other| other == own).unwrap();
+            let (a, b) = (obstacle(&lists[one]), obstacle(&lists[two]));
+            pairs((&a, &lists[one]), (&b, &lists[two]), reach, |x, y| {
+                found.push((number(&lists[one], x), number(&lists[two], y)));
+            });
+            found.sort_unstable();
+            assert_eq!(found, want, "{one} {two}");
+        }
     }
 
     /// What is seen and what is hidden agree, over a fine raster, with walls that cross, meet, shade each other and end.
