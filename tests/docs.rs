@@ -121,7 +121,8 @@ fn attributes() -> String {
         `EYEBOX_BLESS=1 cargo verify --test all docs` after changing a row.\n\n\
         How to write them down is in [sidecar.md](sidecar.md). A value out of range, an unknown name or a misspelt one is\n\
         an error. *Mesh units* are the part's own units: they scale with the node and with `unit`. A length with a unit\n\
-        (`\"4 mm\"`) never scales. An empty default means that the value must be said, or that nothing holds without it.\n"
+        (`\"4 mm\"`) never scales. An empty default means that the value must be said, or that nothing holds without it.\n\
+        The laws of what scatters, with their normalisation, are in [scattering.md](scattering.md).\n"
         .to_owned();
     for noun in NOUNS {
         out += &format!(
