@@ -1,6 +1,6 @@
 //! Which of the things that one asset can be is meant: `--frame`, what it means for formats that count in seconds, `--variant`.
 
-use crate::import::{ReadOptions, Rigs, VariantChoice};
+use crate::import::{LightUnits, ReadOptions, Rigs, VariantChoice};
 use clap::Args;
 
 // No doc comment: clap would take it for the description of every command that has these arguments.
@@ -20,6 +20,10 @@ pub struct Moment {
     /// this name.
     #[arg(long = "variant", value_name = "PRIM{SET=NAME}|NAME", value_parser = VariantChoice::parse)]
     pub variants: Vec<VariantChoice>,
+    /// What the strengths of the asset's own lights (UsdLux, KHR_lights_punctual) count in: nit, with candela and lux, as these formats
+    /// say, or watt, as programs for films count and some write: 683 lm/W [default: nit]
+    #[arg(long, value_name = "nit|watt", value_parser = LightUnits::parse)]
+    pub light_units: Option<LightUnits>,
 }
 
 impl Moment {
@@ -29,6 +33,7 @@ impl Moment {
             fps: self.fps,
             animation: self.animation.clone(),
             variants: self.variants.clone(),
+            light_units: self.light_units.unwrap_or_default(),
             rigs: Rigs::No,
         }
     }

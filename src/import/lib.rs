@@ -21,6 +21,7 @@ pub mod gltf; // .gltf and .glb
 mod image; // PNG, EXR, HDR → luminance
 pub mod json; // attributes that travel inside JSON
 mod lamps; // emitters of faces, the sun
+mod light_units; // watts in place of lumens
 mod lights; // lights that are no geometry in the format
 mod material_mapping; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces
@@ -58,6 +59,7 @@ pub use deps::dependencies;
 pub use explain::Explained;
 pub use eyebox_scene::assembly::{self, Assembly};
 pub use eyebox_scene::value::{self, Data, Value};
+pub use light_units::LightUnits;
 pub use moving::moving;
 pub use outline::{geometry, outline};
 pub use set::Set;
@@ -88,6 +90,8 @@ pub struct ReadOptions {
     pub animation: Option<String>,
     /// Variants of a USD stage, taken in this order, or of the materials of a glTF asset.
     pub variants: Vec<VariantChoice>,
+    /// What the strengths of its own lights count in.
+    pub light_units: LightUnits,
     /// Whether what moves and bends is read, too.
     pub rigs: Rigs,
 }
@@ -154,9 +158,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(Pat
             )
             .code(Code::FileMissing));
         }
-        return Ok((read_asset(&file, &asset.at, options)?, Some((path.to_owned(), sidecar))));
+        let mut assembly = read_asset(&file, &asset.at, options)?;
+        assembly.notes.extend(light_units::note(&assembly, options.light_units));
+        return Ok((assembly, Some((path.to_owned(), sidecar))));
     }
     let mut assembly = read_asset(path, &Where::Nowhere, options)?;
+    assembly.notes.extend(light_units::note(&assembly, options.light_units));
     let Some((beside, sidecar)) = beside(path, || assembly.carries_optics())? else { return Ok((assembly, None)) };
     let text = format!("the asset carries no optical attributes; {} beside it is used", beside.display());
     assembly.notes.push(Note::info(Where::file(path), text));
@@ -187,7 +194,9 @@ pub fn asset(path: &Path) -> Result<Assembly> {
 fn read_asset(path: &Path, at: &Where, options: &ReadOptions) -> Result<Assembly> {
     let extension = extension(path);
     if let Some(format) = FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str())) {
-        return (format.read)(path, options);
+        let mut assembly = (format.read)(path, options)?;
+        light_units::take(&mut assembly, options.light_units);
+        return Ok(assembly);
     }
     let known: Vec<String> =
         FORMATS.iter().flat_map(|format| format.extensions).map(|known| format!(".{known}")).collect();

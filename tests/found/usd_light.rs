@@ -93,3 +93,49 @@ fn every_model_shines_and_is_written() {
     let built = read(&dark, &[]);
     assert!(built.scene.parts.iter().all(|part| part.faces.iter().all(|face| face.emitter.is_none())));
 }
+
+/// A light whose number are watts shines 683 times as bright in nit (K_cd of the SI); a dome, a mesh that is a light and glTF's too.
+#[test]
+fn lights_in_watts() {
+    use eyebox::import::{LightUnits, ReadOptions};
+    let folder = tempfile::tempdir().unwrap();
+    let stage = "#usda 1.0\n(\n metersPerUnit = 1\n upAxis = \"Y\"\n)\n\
+                 def SphereLight \"ball\" { float inputs:intensity = 2\n float inputs:radius = 0.1 }\n\
+                 def DomeLight \"sky\" { float inputs:intensity = 3 }\n\
+                 def Mesh \"sheet\" (prepend apiSchemas = [\"MeshLightAPI\"]) { float inputs:intensity = 5\n\
+                 uniform token subdivisionScheme = \"none\"\n int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n\
+                 point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)] }\n";
+    let gltf = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"extensionsUsed":["KHR_lights_punctual"],
+        "nodes":[{"extensions":{"KHR_lights_punctual":{"light":0}}}],
+        "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":7}]}}}"#;
+    for (name, text) in [("a.usda", stage), ("a.gltf", gltf)] {
+        let file = folder.path().join(name);
+        std::fs::write(&file, text).unwrap();
+        let read = |light_units| {
+            let options = ReadOptions { light_units, ..ReadOptions::default() };
+            eyebox::import::read(&file, &options).unwrap_or_else(|fault| panic!("{fault}")).0
+        };
+        let [unsaid, nit, watt] = [LightUnits::Unsaid, LightUnits::Nit, LightUnits::Watt].map(read);
+        let strengths = |all: &eyebox::import::Assembly| -> Vec<f64> {
+            use eyebox::scene::assembly::LightForm;
+            let own = all.lights.iter().map(|light| match light.form {
+                LightForm::Point { intensity_cd: own, .. }
+                | LightForm::Distant { illuminance_lx: own, .. }
+                | LightForm::Rect { luminance_cd_m2: own, .. }
+                | LightForm::Disk { luminance_cd_m2: own, .. }
+                | LightForm::Sphere { luminance_cd_m2: own, .. }
+                | LightForm::Cylinder { luminance_cd_m2: own, .. }
+                | LightForm::Dome { scale_cd_m2: own, .. } => own,
+            });
+            let emitters = all.nodes.iter().filter_map(|node| node.attributes.as_ref()?.get("emitter"));
+            own.chain(emitters.filter_map(|emitter| emitter.get("luminance_cd_m2")?.number())).collect()
+        };
+        let plain = strengths(&unsaid);
+        let want: &[f64] = if name == "a.usda" { &[2.0, 3.0, 5.0] } else { &[7.0] };
+        assert_eq!(plain, want, "{name}");
+        assert_eq!(strengths(&nit), plain, "{name}");
+        assert_eq!(strengths(&watt), plain.iter().map(|own| 683.0 * own).collect::<Vec<_>>(), "{name}");
+        let tells = |all: &eyebox::import::Assembly| all.notes.iter().filter(|note| note.text.contains("683 lm/W")).count();
+        assert_eq!([&unsaid, &nit, &watt].map(tells), [1, 0, 1], "{name}");
+    }
+}
