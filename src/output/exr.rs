@@ -4,6 +4,7 @@
 //! frame. Read: any flat float or half file, single- or multi-part, scan lines or tiles.
 //! Attribute names and meanings: openexr.com, "Standard Attributes"; `colorInteropID` values: Color Interop Forum.
 
+mod camera;
 mod header;
 mod naming;
 mod packing;

@@ -16,7 +16,7 @@ use ::exr::prelude::{Vec2, f16};
 
 use super::naming::{self, Part, Stored};
 use super::packing::{sample_type, too_bright};
-use super::{COLOR_INTEROP_ID, COMPRESSION, DATA, LAYER_PREFIX, PREFIX, Packing, WHITE_LUMINANCE, header};
+use super::{COLOR_INTEROP_ID, COMPRESSION, DATA, LAYER_PREFIX, PREFIX, Packing, WHITE_LUMINANCE, camera, header};
 use eyebox_base::atomic::write_atomic_by;
 use eyebox_base::error::{Error, Result, Where};
 use eyebox_film::colours::{self, Colours};
@@ -41,6 +41,7 @@ const SHORT_NAME: usize = 31;
 /// Metadata: `colorInteropID` (text, default `lin_rec709_scene`) and `whiteLuminance` (number, default 1: values are
 /// cd/m²) and Cryptomatte's (`cryptomatte/…`) under their own names, every other entry `key` as `eyebox.key`: text as `string`, numbers as `double`,
 /// integers as `int`, or as `string` when they need more than 32 bits ([`Frame::integer`] reads both back).
+/// Where the metadata tell of an `eye`, `worldToCamera` and `worldToNDC` say where it was, as OpenEXR defines them ([`camera`]).
 /// `halfFloat` = 1 stores pictures as halves where these hold them, and `compression` names a [`Packing`].
 ///
 /// Returns [`warnings`].
@@ -231,6 +232,7 @@ fn encode(
 ) -> ::exr::error::UnitResult {
     let size = Vec2(frame.width, frame.height);
     let compression = packing_of(frame).unwrap_or_default();
+    let matrices = camera::matrices(frame);
     let header = |(index, part): (usize, &Part)| {
         let describe =
             |channel: &Stored| ChannelDescription::new(text(&channel.name), sample_type(frame, part, channel), false);
@@ -242,7 +244,11 @@ fn encode(
             let colour = colour.or_else(|| attributes.get(COLOR_INTEROP_ID).cloned());
             colour.map(|colour| (text(COLOR_INTEROP_ID), colour)).into_iter().collect()
         };
+        // Of the whole file, so that they stand in the first part, as all that is said of the picture.
+        let camera = matrices.filter(|_| index == 0);
         let own = LayerAttributes {
+            world_to_camera: camera.map(|both| both.world_to_camera),
+            world_to_normalized_device: camera.map(|both| both.world_to_ndc),
             layer_name: part.name.as_deref().map(text),
             white_luminance: Some(frame.number(WHITE_LUMINANCE).unwrap_or(1.0) as f32).filter(|_| !part.data),
             other,
