@@ -69,7 +69,7 @@ fn tints(scene: &Scene, plan: &Plan) -> Vec<[f64; 3]> {
 }
 
 /// Adds `Z`, `normal`, `albedo`, `position`, `id` at the first hit, where there are ordinary materials also `normal_geometric`, `uv`
-/// and `opacity`, the same `_seen` behind specular faces, and `seethrough`.
+/// and `opacity`, the same `_seen` behind specular faces, `seethrough`, and `alpha`, what that leaves of 1.
 pub fn add_data_layers(frame: &mut Frame, data: Data) {
     let mut add = |name: String, data: Vec<f32>| frame.push(name, data);
     let Data { first, seen, seethrough } = data;
@@ -102,6 +102,7 @@ pub fn add_data_layers(frame: &mut Frame, data: Data) {
             }
         }
     }
+    add("alpha.A".to_owned(), seethrough.iter().map(|through| 1.0 - through).collect());
     greys.push(("seethrough".to_owned(), seethrough.into()));
     for (layer, data) in greys {
         // Grey is stored three times, and held once.

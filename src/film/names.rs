@@ -74,6 +74,7 @@ fn of_groups<'g>(
     add("stderr".to_owned(), "the picture's standard error".to_owned());
     add("hybrid_variance".to_owned(), "the picture's variance".to_owned());
     add("seethrough".to_owned(), "what shows the surroundings".to_owned());
+    add("alpha".to_owned(), "what hides the surroundings".to_owned());
     add("work".to_owned(), "where the work went".to_owned());
     for data in DATA {
         add(data.to_owned(), "data of what is seen first".to_owned());

@@ -353,7 +353,7 @@ pub fn check_data(frame: &Frame) -> Result<()> {
         }
         // What is nowhere is infinitely far, as other programs write it: that says nothing of light.
         let data = is_data(channel.layer()) || is_data(name) || Matte::of_layer(channel.layer()).is_some();
-        let free = data && channel.layer() != "seethrough";
+        let free = data && !["seethrough", "alpha"].contains(&channel.layer());
         let bad = |value: &f32| !(free || names::may_hold(channel.layer(), *value));
         if let Some(pixel) = channel.data.iter().position(bad) {
             let (x, y) = (pixel % frame.width, pixel / frame.width);

@@ -35,9 +35,13 @@ pub fn is_light(name: &str) -> bool {
 /// pictures, whatever they are called.
 pub fn is_data(name: &str) -> bool {
     let base = name.strip_suffix("_seen").unwrap_or(name);
-    ["Z", "normal", "position", "albedo", "id", "normal_geometric", "uv", "opacity", "motion", "seethrough"]
-        .iter()
-        .any(|data| base.strip_suffix(data).is_some_and(|before| before.is_empty() || before.ends_with('_')))
+    // With a prefix it could be the light of a group of that name.
+    let is_alpha = ["alpha", "alpha.A"].contains(&name);
+    let with_prefix =
+        ["Z", "normal", "position", "albedo", "id", "normal_geometric", "uv", "opacity", "motion", "seethrough"]
+            .iter()
+            .any(|data| base.strip_suffix(data).is_some_and(|before| before.is_empty() || before.ends_with('_')));
+    is_alpha || with_prefix
 }
 
 /// Whether a channel is one of a layer's; a lone channel such as `Z` is a layer of its own.
