@@ -140,7 +140,8 @@ pub struct RenderArgs {
     /// Write the stated error after 2, 4, 8, … passes into the header too, for the plot of `eyebox report`.
     #[arg(long, conflicts_with_all = ["shard", "resume"])]
     pub convergence: bool,
-    /// Add the layer motion: how far each pixel's surface moves until the next frame; with --frame or --frames.
+    /// Add the layers motion and motion_seen: how far each pixel's surface, and what is seen behind specular faces, moves until the next
+    /// frame; with --frame or --frames.
     #[arg(long)]
     pub motion: bool,
     /// Add a layer with the light of one way alone: NAME=N, row N of `eyebox paths`, or NAME=PART:HOW,… for all rows with

@@ -243,19 +243,29 @@ pub enum End {
 
 /// Follows one ray and shows every face that it meets.
 pub fn go_straight(
+    tracing: (&World, &Optics<Mono>),
+    ray: (DVec3, DVec3),
+    ledger: &mut Ledger,
+    met: impl FnMut(&Vertex),
+) -> End {
+    follow_straight(tracing, ray, ledger, met).0
+}
+
+/// The same with the direction that it has in the end.
+pub fn follow_straight(
     (world, optics): (&World, &Optics<Mono>),
     (origin, dir): (DVec3, DVec3),
     ledger: &mut Ledger,
     mut met: impl FnMut(&Vertex),
-) -> End {
+) -> (End, DVec3) {
     const MOST_FACES: usize = 256;
     let ray = Ray { origin, dir, from: None };
     let rng = Rng::new(0, Stream::Check, 0, 0);
     let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
     for _ in 0..MOST_FACES {
         let vertex = match walker.advance(ledger) {
-            Met::Sky => return End::Outside(walker.beam.carried()),
-            Met::Pupil(_) | Met::Ended => return End::Lost,
+            Met::Sky => return (End::Outside(walker.beam.carried()), walker.ray.dir),
+            Met::Pupil(_) | Met::Ended => return (End::Lost, walker.ray.dir),
             Met::Face(vertex) => vertex,
         };
         if let Some(principled) = principled_at(world, &vertex) {
@@ -266,7 +276,7 @@ pub fn go_straight(
             if look.opacity >= MOSTLY {
                 met(&vertex);
                 if share < MOSTLY {
-                    return End::Seen;
+                    return (End::Seen, walker.ray.dir);
                 }
             }
             walker.beam.scale(share);
@@ -275,10 +285,10 @@ pub fn go_straight(
         }
         met(&vertex);
         if !walker.go_straight_on(&vertex, ledger) {
-            return End::Seen;
+            return (End::Seen, walker.ray.dir);
         }
     }
-    End::Lost
+    (End::Lost, walker.ray.dir)
 }
 
 fn principled_at<'w>(world: &'w World, vertex: &Vertex) -> Option<&'w Principled> {

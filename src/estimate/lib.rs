@@ -17,6 +17,7 @@ pub mod ledger;
 pub mod manifold;
 mod medium_stack;
 pub mod motion;
+pub mod motion_seen;
 mod outgoing;
 mod outliers;
 pub mod ownership;

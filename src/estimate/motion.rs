@@ -45,7 +45,12 @@ pub fn motion(world: &World, now: &Scene, next: &Scene) -> Result<[Vec<f32>; 2]>
 }
 
 /// Where the point of a face is in the next frame, in the recentred world.
-fn moved(hit: &Hit, origin: DVec3, (now, next): (&Scene, &Scene), parts: &HashMap<&str, usize>) -> Option<DVec3> {
+pub(super) fn moved(
+    hit: &Hit,
+    origin: DVec3,
+    (now, next): (&Scene, &Scene),
+    parts: &HashMap<&str, usize>,
+) -> Option<DVec3> {
     let part = now.parts.get(hit.site.part as usize)?;
     let later = next.parts.get(*parts.get(part.path.as_str())?)?;
     let (mesh, bent) = (now.mesh(part.mesh), next.mesh(later.mesh));

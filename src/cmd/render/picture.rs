@@ -11,12 +11,14 @@ use crate::estimate::cryptomatte;
 use crate::estimate::data::data_layers;
 use crate::estimate::finishing::Wanted;
 use crate::estimate::motion::motion;
+use crate::estimate::motion_seen::{Frozen, motion_seen};
 use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, add_stated_error, add_witness};
 use crate::estimate::run::Stop;
 use crate::estimate::shard;
 use crate::estimate::work_layer::{add_work, work};
 use crate::film::frame::{Frame, Meta};
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
+use crate::world::World;
 
 impl Run<'_> {
     pub fn picture(&self, opened: &Opened, planned: &mut Planned, traced: &mut Traced) -> Result<Frame> {
@@ -40,6 +42,9 @@ impl Run<'_> {
         if let Some(later) = &opened.later {
             let moved = self.pool.install(|| motion(world, scene, later))?;
             moved.into_iter().zip(["X", "Y"]).for_each(|(data, axis)| frame.push(format!("motion.{axis}"), data));
+            let (now, next) = (Frozen { world, scene }, World::freeze(later)?);
+            let moved = self.pool.install(|| motion_seen(now, Frozen { world: &next, scene: later }));
+            moved.into_iter().zip(["u", "v"]).for_each(|(data, axis)| frame.push(format!("motion_seen.{axis}"), data));
         }
         let Wanted { layers, named, .. } = &head.finishing.wanted;
         if let Some(work) = work {
