@@ -35,6 +35,7 @@ fn findings(scene: &Scene, ready: &Ready<'_>) -> Vec<Finding> {
         scene,
         whole: true,
         needed: &[],
+        refusals: &[],
         edges: &EdgesOfMeshes::default(),
     };
     let frozen = Frozen { subject: &subject, checked: &ready.checked, world: &ready.world };

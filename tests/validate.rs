@@ -3,6 +3,7 @@
 mod action;
 mod bench;
 mod defaults;
+mod missing;
 mod mutations;
 mod piped;
 mod reports;

@@ -20,6 +20,8 @@ pub struct Subject<'a> {
     /// Nothing was faulty: the scene is the one that `render` would have.
     pub whole: bool,
     pub needed: &'a [Needed],
+    /// What was faulty.
+    pub refusals: &'a [Refusal],
     pub edges: &'a EdgesOfMeshes,
 }
 
@@ -56,6 +58,13 @@ pub enum Stage {
 }
 
 impl Refusal {
+    /// Whether it is that this texture is missing.
+    pub fn lacks(&self, needed: &Needed) -> bool {
+        self.fault.code == Some(Code::TextureMissing)
+            && !needed.there
+            && self.fault.what.contains(&needed.file.display().to_string())
+    }
+
     /// What the fault is about; where it says nothing, as much as the stage tells.
     pub fn code(&self) -> Code {
         self.fault.code.unwrap_or(match self.stage {

@@ -4,10 +4,12 @@ use super::agf::Reference;
 use super::value::{Data, Value};
 use super::{Assembly, ReadOptions, extension, files, gltf, photometric, toml};
 use eyebox_base::error::Result;
+use eyebox_base::relative_path::placed;
 use eyebox_base::{Where, package};
 use eyebox_scene::assembly::LightForm;
 use eyebox_scene::attribute::{Form, ROWS};
 use serde::Serialize;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A file that is needed, and who asks for it.
@@ -46,9 +48,10 @@ pub fn dependencies(path: &Path, options: &ReadOptions) -> Result<Vec<Dependency
             sidecar(&beside, Where::file(path), options, &mut all)?;
         }
     }
-    let mut once: Vec<Dependency> = Vec::new();
+    let (mut once, mut known) = (Vec::<Dependency>::new(), HashMap::new());
     for dependency in all {
-        match once.iter_mut().find(|other| other.file == dependency.file) {
+        let index = *known.entry(placed(&dependency.file)).or_insert(once.len());
+        match once.get_mut(index) {
             Some(other) => other.used |= dependency.used,
             None => once.push(dependency),
         }

@@ -14,7 +14,7 @@ use eyebox_scene::texture::{Encoding, PictureKey, PictureSource, Texels, Wrap};
 use eyebox_scene::{Colour, Note, Opacity, Scalar, StandardSurface, Texture};
 use std::collections::{HashMap, HashSet};
 use std::io::Cursor;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What was read so far.
@@ -66,6 +66,14 @@ enum Look {
         blend: bool,
     },
     Nothing,
+}
+
+/// The bytes of a texture's file.
+fn bytes_of(file: &Path, at: &Where) -> Result<Vec<u8>> {
+    files::read(file, at, "texture").map_err(|fault| match fault.code {
+        Some(Code::FileMissing) => fault.code(Code::TextureMissing),
+        Some(_) | None => fault,
+    })
 }
 
 impl Builder<'_> {
@@ -155,7 +163,7 @@ impl Builder<'_> {
                     if self.read.unread.insert(key) {
                         let text = format!("{}; its fallback is taken", fault.what);
                         // A file that is missing is one that the asset needs, of which there is a list.
-                        let code = fault.code.filter(|code| *code == Code::FileMissing).map(|_| Code::TextureMissing);
+                        let code = fault.code.filter(|code| *code == Code::TextureMissing);
                         self.notes.push(Note::warning(fault.at.clone(), text).code(code));
                     }
                     input.wrap = [Wrap::Repeat; 2];
@@ -182,7 +190,7 @@ impl Builder<'_> {
     /// Reads a picture, and what its numbers stand for.
     fn picture(&mut self, source: &PictureSource, name: &str, at: &Where) -> Result<(Shared<Texture>, Encoding)> {
         let bytes = match source {
-            PictureSource::File(file) => Arc::new(files::read(file, at, "texture")?),
+            PictureSource::File(file) => Arc::new(bytes_of(file, at)?),
             PictureSource::Embedded(bytes) => bytes.clone(),
             PictureSource::Tiles(tiles) => return self.tiles(tiles, name, at),
         };
@@ -201,7 +209,7 @@ impl Builder<'_> {
         let mut encoding = Encoding::Linear;
         for (file, place) in all {
             let own = file.file_name().map_or_else(|| name.to_owned(), |own| own.to_string_lossy().into_owned());
-            let bytes = files::read(file, at, "texture")?;
+            let bytes = bytes_of(file, at)?;
             let (texture, own_encoding, remarks) = decoded(&bytes, &own, at)?;
             let texture = self.fitted(texture);
             self.files.push(file.clone());

@@ -1,9 +1,11 @@
 //! Going on past a fault: what is faulty is replaced by something harmless, so that the next fault can be found, too.
 //! Nothing that is made here is ever rendered or written.
 
+use super::missing;
 use eyebox_base::{Code, Error, Where};
 use eyebox_import::toml;
 use eyebox_scene::assembly::Assembly;
+use eyebox_scene::texture::{PictureSource, Texels};
 use eyebox_scene::value::{Data, Value};
 use std::path::Path;
 
@@ -22,6 +24,11 @@ pub fn heal(assembly: &mut Assembly, sheet: &mut Option<Value>, fault: &Error) -
     }
     if fault.code == Some(Code::EyeMissing) {
         return give_eye(assembly, sheet);
+    }
+    if let Some(texture) = missing::texture_of(fault)
+        && stand_in_texture(assembly, &texture)
+    {
+        return true;
     }
     // One of two that contradict has to go; whatever it said, the other says.
     let drop = fault.code == Some(Code::BoundTwice);
@@ -72,6 +79,22 @@ fn give_eye(assembly: &mut Assembly, sheet: &mut Option<Value>) -> bool {
     }
     entries.push(("eye".to_owned(), eye));
     true
+}
+
+/// Has every material do without the picture that is missing; false if none of them names it.
+fn stand_in_texture(assembly: &mut Assembly, texture: &Path) -> bool {
+    let mut found = false;
+    let surfaces = assembly.materials.iter_mut().filter_map(|material| material.surface.as_mut());
+    for input in surfaces.flat_map(|surface| surface.textures_mut()) {
+        if let Texels::Encoded(PictureSource::File(file)) = &input.texture.texels
+            && input.fallback.is_none()
+            && missing::is_same(file, texture)
+        {
+            input.fallback = Some([1.0; 4]);
+            found = true;
+        }
+    }
+    found
 }
 
 fn stand_in_eye() -> Option<Value> {

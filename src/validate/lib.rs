@@ -9,6 +9,7 @@ pub mod fingerprint; // what makes a finding the same one tomorrow
 pub mod folder; // what a folder stands for
 mod heal; // going on past a fault
 pub mod locate; // lines and columns
+mod missing; // files that several places name
 pub mod page; // the documentation of a rule
 mod read; // an asset as far as it can be read
 pub mod report; // the formats
@@ -178,11 +179,10 @@ impl read::Examined {
             scene: self.scene.as_ref().unwrap_or(&nothing),
             whole: self.scene.is_some() && self.refusals.is_empty(),
             needed: &self.needed,
+            refusals: &self.refusals,
             edges: &EdgesOfMeshes::default(),
         };
-        for refusal in &self.refusals {
-            found.extend(refused(refusal));
-        }
+        found.extend(missing::findings(&self.refusals, &self.needed));
         let notes = self.scene.as_ref().map_or(&assembly.notes, |scene| &scene.notes);
         for note in notes {
             let Some(rule) = rule_of(note) else { continue };
@@ -235,7 +235,8 @@ fn refused(refusal: &Refusal) -> Option<Finding> {
     if let Some(nearest) = &fault.nearest {
         text += &format!("; did you mean `{nearest}`?");
     }
-    Some(rule.at(fault.at.clone(), text))
+    // Whatever the rule says of milder cases: this keeps the asset from rendering.
+    Some(Finding { level: Level::Error, ..rule.at(fault.at.clone(), text) })
 }
 
 /// The rule whose finding a note of the importer is. Of those that say nothing of what they are about, only warnings are

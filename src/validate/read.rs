@@ -1,6 +1,7 @@
 //! An asset as far as it can be read: where something is faulty, it is noted, taken away and the rest is looked at.
 
 use super::heal::heal;
+use super::missing;
 use eyebox_base::{Code, Error, Result, Where};
 use eyebox_check::subject::{Needed, Refusal, Stage};
 use eyebox_import::{ReadOptions, build, dependencies};
@@ -72,7 +73,7 @@ pub fn examine(path: &Path, reading: &ReadOptions) -> Examined {
     let (mut work, mut sheet) = (assembly.clone(), out.sheet.clone());
     out.assembly = Some(assembly);
     while out.refusals.len() < MOST {
-        match build(work.clone(), sheet.as_ref(), &[]) {
+        match build(work.clone(), sheet.as_ref(), &[]).map_err(|fault| missing::as_listed(fault, &out.needed)) {
             Ok(built) => {
                 out.scene = Some(built.scene);
                 break;
@@ -110,7 +111,7 @@ fn needed(path: &Path) -> Vec<Needed> {
         there: d.there,
         used: d.used,
     };
-    all.into_iter().map(needed).collect()
+    missing::once(all.into_iter().map(needed))
 }
 
 /// A scene with nothing in it, for an asset that none can be made of.
