@@ -1,5 +1,5 @@
 //! Efficiencies of a grating from a text file: a line of column names, then a line for every order at every pair of a wavelength
-//! and a direction, in any order, separated by commas, semicolons or tabs. `#` starts a comment.
+//! and a direction, in any order, separated by commas, semicolons, tabs or blanks. `#` starts a comment.
 
 use super::grating::MOST_ORDERS;
 use crate::text::{SEPARATORS, cells};
