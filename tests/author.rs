@@ -11,3 +11,5 @@ mod motion_kept;
 mod random;
 mod said;
 mod samples;
+mod shapes;
+mod user;

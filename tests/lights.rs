@@ -419,6 +419,7 @@ fn asset(lights: Vec<(&str, LightForm)>) -> Assembly {
         to_world: lifted,
         mesh: None,
         attributes: None,
+        user: Vec::new(),
         at: Where::Nowhere,
     };
     let light = |(name, form): (&str, LightForm)| LightSource {

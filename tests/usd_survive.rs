@@ -70,6 +70,7 @@ fn material() -> impl Strategy<Value = Material> {
     ]);
     ("[a-zA-Z /]{0,8}", mapped, looks).prop_map(|(name, mapped, looks)| Material {
         surface: None,
+        user: Vec::new(),
         name,
         mapped,
         attributes: None,
@@ -141,6 +142,7 @@ proptest! {
                 to_world: turned,
                 mesh: None,
                 attributes: None,
+                user: Vec::new(),
                 at: Where::Nowhere,
             };
             a.nodes.push(node);

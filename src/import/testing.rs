@@ -45,6 +45,7 @@ pub fn assembly(names: &[&str]) -> Assembly {
         to_world,
         mesh,
         attributes: None,
+        user: Vec::new(),
         at: pointer(format!("/nodes/{index}")),
     };
     let mut nodes = vec![node("ROOT", "ROOT".into(), 0, None, (root, root), None)];
@@ -57,6 +58,7 @@ pub fn assembly(names: &[&str]) -> Assembly {
             materials: vec![Some(0); 6],
             attributes: vec![None; 6],
             rig: None,
+            implicit: None,
             at: pointer(format!("/meshes/{i}")),
         });
     }
@@ -66,6 +68,7 @@ pub fn assembly(names: &[&str]) -> Assembly {
         attributes: None,
         looks: Vec::new(),
         surface: None,
+        user: Vec::new(),
         at: pointer("/materials/0".into()),
     };
     Assembly { file: "a.glb".into(), unit_m: 1.0, nodes, meshes, materials: vec![material], ..Assembly::default() }

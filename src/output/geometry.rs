@@ -275,6 +275,7 @@ mod tests {
             materials: vec![None],
             attributes: vec![None],
             rig: None,
+            implicit: None,
             at: Where::Nowhere,
         };
         let turned = DAffine3::from_quat(DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4));
@@ -286,6 +287,7 @@ mod tests {
             to_world: turned,
             mesh: Some(0),
             attributes: None,
+            user: Vec::new(),
             at: Where::Nowhere,
         };
         let up = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);

@@ -2,6 +2,7 @@
 //! the asset itself carries, before any optical meaning is decided.
 
 use super::motion::{Clock, Motion, Rig};
+use super::user_property::UserProperty;
 use super::value::Value;
 use super::{Mesh, Note, StandardSurface};
 use eyebox_base::{Code, Shared, Where};
@@ -134,6 +135,8 @@ pub struct Node {
     /// The node's own optical attributes (medium, emitter, …). They hold for all parts below it, too, where nothing
     /// nearer says otherwise. `faces` is a list of tables, each with `faces` or `normal` and what holds for those.
     pub attributes: Option<Value>,
+    /// What its author has said of it beside the format.
+    pub user: Vec<UserProperty>,
     pub at: Where,
 }
 
@@ -146,7 +149,20 @@ pub struct MeshSource {
     pub attributes: Vec<Option<Value>>,
     /// What bends it, if the reader was asked for that: `mesh` is bent already.
     pub rig: Option<Box<Rig>>,
+    /// The shape that it was made of, where the format has shapes without points.
+    pub implicit: Option<ImplicitShape>,
     pub at: Where,
+}
+
+/// A sphere, cube, cylinder, cone, capsule or plane of USD. Light meets the mesh that was made of it; the shape is written again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImplicitShape {
+    /// The type of its prim.
+    pub kind: &'static str,
+    /// What it says of its size: `radius`, `height`, …
+    pub lengths: Vec<(&'static str, f64)>,
+    /// X, Y or Z, of shapes that have an axis.
+    pub axis: Option<&'static str>,
 }
 
 impl MeshSource {
@@ -178,6 +194,8 @@ pub struct Material {
     pub looks: Vec<(String, Value)>,
     /// How it looks, which is what its faces are where nothing says otherwise; its pictures are not read yet.
     pub surface: Option<Shared<StandardSurface>>,
+    /// What its author has said of it beside the format.
+    pub user: Vec<UserProperty>,
     pub at: Where,
 }
 

@@ -29,6 +29,7 @@ pub mod slide;
 pub mod spectrum;
 pub mod surface; // how ordinary materials look
 pub mod texture;
+pub mod user_property; // what authors say beside the format
 pub mod value;
 pub mod wave_plate;
 

@@ -37,7 +37,7 @@ def Xform "w"
 }
 "#;
 
-fn convert(folder: &Path, from: &str, to: &str) -> String {
+pub fn convert(folder: &Path, from: &str, to: &str) -> String {
     let [from, to] = [from, to].map(|name| folder.join(name));
     let (code, _, errors) = eyebox(&[Path::new("convert"), &from, &to]);
     assert_eq!(code, Some(0), "{errors}");

@@ -69,6 +69,7 @@ fn mesh(seed: u32, corners: &[usize], materials: usize, rows: Vec<Option<Value>>
         materials: (0..faces).map(material).collect(),
         attributes,
         rig: None,
+        implicit: None,
         at: Where::Nowhere,
     }
 }
@@ -106,7 +107,7 @@ prop_compose! {
                 (format!("{}/", all.nodes[parent].path), all.nodes[parent].to_world)
             });
             let path = format!("{prefix}{name}");
-            all.nodes.push(Node { name, path, parent, local, to_world: frame * local, mesh, attributes, at: Where::Nowhere });
+            all.nodes.push(Node { name, path, parent, local, to_world: frame * local, mesh, attributes, user: Vec::new(), at: Where::Nowhere });
         }
         let number = |x: f64| Value::new(Data::Number(x), Where::Nowhere);
         for (index, (numbers, attributes, which)) in materials.into_iter().enumerate() {
@@ -125,7 +126,7 @@ prop_compose! {
             let mapped = mapped.map(|(_, (key, value))| (key.to_owned(), value)).collect();
             let looks = vec![("base_color".to_owned(), color), ("roughness".to_owned(), number(ior))];
             let (name, at) = (format!("M{index}"), Where::Nowhere);
-            all.materials.push(Material { name, mapped, attributes, looks, surface: None, at });
+            all.materials.push(Material { name, mapped, attributes, looks, surface: None, user: Vec::new(), at });
         }
         let count = all.materials.len();
         all.meshes = faces.into_iter().map(|(corners, rows, seed)| {

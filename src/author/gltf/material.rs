@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::surface::{Fields, Looks};
+use super::user;
 use super::value::{self, OPTICS};
 use eyebox_base::colour::luminance;
 use eyebox_base::error::Result;
@@ -106,6 +107,9 @@ pub fn material(document: &mut Document, assembly: &Assembly, index: usize) -> R
     }
     if !extensions.is_empty() {
         out.insert("extensions".into(), Json::Object(extensions));
+    }
+    if let Some(extras) = user::extras(&material.user) {
+        out.insert("extras".into(), extras);
     }
     Ok(Json::Object(out))
 }

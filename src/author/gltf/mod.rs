@@ -14,6 +14,7 @@ mod splice;
 mod surface;
 mod texture;
 mod uri;
+mod user;
 mod value;
 
 pub use annotate::annotate;

@@ -6,6 +6,7 @@ use super::geometry;
 use super::lamp;
 use super::light::{self, PUNCTUAL};
 use super::skin::Skins;
+use super::user;
 use super::value::{self, OPTICS};
 use eyebox_base::error::Result;
 use eyebox_scene::assembly::{Assembly, Node};
@@ -75,6 +76,9 @@ pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>>
         }
         if !extensions.is_empty() {
             out.insert("extensions".into(), Json::Object(extensions));
+        }
+        if let Some(extras) = user::extras(&node.user) {
+            out.insert("extras".into(), extras);
         }
         document.nodes.push(Json::Object(out));
     }

@@ -9,7 +9,7 @@ use super::network::Network;
 use super::open_pbr::{self, Optics};
 use super::picture::Pictures;
 use super::stage::{Writing, named};
-use super::{optics, preview};
+use super::{optics, preview, user};
 use eyebox_base::colour::luminance;
 use eyebox_base::error::Result;
 use eyebox_scene::assembly::{Assembly, Material};
@@ -55,6 +55,7 @@ pub(super) fn library(
         if let Some(attributes) = &material.attributes {
             optics::apply(writing, attributes, &mut prim)?;
         }
+        user::say(writing, &material.user, &mut prim);
         if let Some(surface) = &material.surface {
             unsaid(material, surface, &mut prim);
             let vertices = vertices(writing.assembly, index);

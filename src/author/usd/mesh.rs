@@ -3,7 +3,7 @@
 use super::layer::{Datum, Prim, Property};
 use super::name::Siblings;
 use super::stage::{Writing, named};
-use super::{material, optics, samples, skel};
+use super::{implicit, material, optics, samples, skel};
 use eyebox_base::error::Result;
 use eyebox_scene::assembly::MeshSource;
 use eyebox_scene::motion::Vertices;
@@ -38,6 +38,9 @@ pub(super) fn write(
 ) -> Result<()> {
     let index = own.mesh;
     let Some(source) = writing.assembly.meshes.get(index) else { return Ok(()) };
+    if implicit::write(writing, own, depth, siblings, prims)? {
+        return Ok(());
+    }
     let mesh = &source.mesh;
     // Joints and blend shapes bend what nothing has bent yet.
     let rest = source.rig.as_ref().map(|rig| &rig.rest);
@@ -120,7 +123,7 @@ pub(super) fn write(
     Ok(())
 }
 
-fn material_of(source: &MeshSource, face: usize) -> Option<usize> {
+pub(super) fn material_of(source: &MeshSource, face: usize) -> Option<usize> {
     source.materials.get(face).copied().flatten()
 }
 
@@ -162,7 +165,7 @@ fn subsets(
     Ok(())
 }
 
-fn extent(positions: &[[f32; 3]]) -> Option<[[f32; 3]; 2]> {
+pub(super) fn extent(positions: &[[f32; 3]]) -> Option<[[f32; 3]; 2]> {
     let first = *positions.first()?;
     let mut out = [first, first];
     for p in positions {

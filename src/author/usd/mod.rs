@@ -11,6 +11,7 @@ pub mod text; // .usda
 
 mod annotate; // rows as a layer over the asset
 mod binary; // .usdc and .usdz
+mod implicit; // shapes without points
 mod light; // lights and cameras
 mod material; // materials and their bindings
 mod mesh; // geometry and faces
@@ -25,6 +26,7 @@ mod skel; // joints and blend shapes
 mod stage; // the hierarchy
 #[cfg(test)]
 mod tests;
+mod user; // what authors say beside the format
 
 pub use annotate::annotate;
 

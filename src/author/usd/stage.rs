@@ -10,7 +10,7 @@ use super::layer::{Datum, Layer, Prim, Property, Specifier};
 use super::name::Siblings;
 use super::picture::Pictures;
 use super::skel::{self, Skeletons};
-use super::{light, material, mesh, optics, samples};
+use super::{light, material, mesh, optics, samples, user};
 use eyebox_base::error::Result;
 use eyebox_base::{Error, Where};
 use eyebox_scene::assembly::{Assembly, Camera, LightSource, Node};
@@ -233,6 +233,7 @@ impl Walk<'_> {
         if let Some(attributes) = &node.attributes {
             optics::apply(writing, attributes, &mut prim)?;
         }
+        user::say(writing, &node.user, &mut prim);
         let lights = writing.lights.get(&index).map_or(&[][..], Vec::as_slice);
         let prototype = node.mesh.and_then(|mesh| writing.prototypes.get(mesh)).and_then(Option::as_ref);
         let cameras = writing.cameras.get(&index).map_or(&[][..], Vec::as_slice);

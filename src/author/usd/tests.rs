@@ -26,6 +26,7 @@ fn triangle(name: &str, faces: u32) -> MeshSource {
         materials: vec![None; faces],
         attributes: vec![None; faces],
         rig: None,
+        implicit: None,
         at: Where::Nowhere,
     }
 }
@@ -35,7 +36,17 @@ pub fn add(assembly: &mut Assembly, parent: Option<usize>, name: &str, local: DA
     let above = parent.map(|parent| &assembly.nodes[parent]);
     let path = above.map_or_else(|| name.to_owned(), |above| format!("{}/{name}", above.path));
     let to_world = above.map_or(local, |above| above.to_world * local);
-    let node = Node { name: name.into(), path, parent, local, to_world, mesh, attributes: None, at: Where::Nowhere };
+    let node = Node {
+        name: name.into(),
+        path,
+        parent,
+        local,
+        to_world,
+        mesh,
+        attributes: None,
+        user: Vec::new(),
+        at: Where::Nowhere,
+    };
     assembly.nodes.push(node);
     assembly.nodes.len() - 1
 }
@@ -47,6 +58,7 @@ fn one_of_everything() -> Assembly {
     for (name, ior) in [("Glas/klar", 1.517), ("Glas/klar", 1.4), ("", 2.0)] {
         a.materials.push(Material {
             surface: None,
+            user: Vec::new(),
             name: name.into(),
             mapped: vec![("ior".into(), number(ior))],
             attributes: None,

@@ -2,7 +2,7 @@
 
 use super::at::At;
 use super::notes::Ledger;
-use super::surface;
+use super::{surface, user};
 use crate::assembly::Material;
 use crate::value::{Data, Value};
 use eyebox_base::Code;
@@ -110,6 +110,7 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
         attributes: at.optics(&mut ledger.budget)?,
         looks,
         surface: None,
+        user: user::of(at, ledger)?,
         at: at.place(),
     })
 }

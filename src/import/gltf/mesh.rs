@@ -31,7 +31,7 @@ pub(super) fn read(
         materials.push(variants::material(document, at)?);
         attributes.push(at.optics(&mut ledger.budget)?);
     }
-    Ok(MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at: at.place() })
+    Ok(MeshSource { mesh: mesh.into(), materials, attributes, rig: None, implicit: None, at: at.place() })
 }
 
 /// Appends a face; none if its indices do not fit into 32 bits.

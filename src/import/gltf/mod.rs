@@ -34,6 +34,7 @@ mod skin;
 mod standard;
 mod surface;
 pub(super) mod transform;
+mod user;
 mod variants;
 mod world;
 

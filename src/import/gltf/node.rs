@@ -6,12 +6,13 @@ use super::hierarchy::{self, Tree};
 use super::notes::Ledger;
 use super::pose::Pose;
 use super::shapes::Shapes;
-use super::{animation, features, light, transform, world};
+use super::{animation, features, light, transform, user, world};
 use crate::assembly::{Assembly, Camera, Frustum, Node};
 use crate::{ReadOptions, Rigs};
 use eyebox_base::Code;
 use eyebox_base::error::Result;
 use eyebox_scene::assembly::Film;
+use eyebox_scene::user_property::UserProperty;
 use glam::{DAffine3, DQuat};
 use std::mem::size_of;
 
@@ -118,7 +119,8 @@ fn one(
         assembly.lights.extend(light::read(document, &at, assembly.nodes.len(), &name, ledger)?);
         at.optics(&mut ledger.budget)?
     };
-    let node = Node { path: below(&name), name, parent, local, to_world, mesh, attributes, at: at.place() };
+    let user = user::of_node(document, &at, ledger)?;
+    let node = Node { path: below(&name), name, parent, local, to_world, mesh, attributes, user, at: at.place() };
     let Some(instancing) = at.extension("EXT_mesh_gpu_instancing")?.filter(|_| mesh.is_some()) else {
         assembly.nodes.push(node);
         return Ok(());
@@ -126,7 +128,8 @@ fn one(
     let transforms = instances(document, &instancing, ledger)?;
     let size = size_of::<Node>() + node.path.len() + 2 * node.name.len() + at.pointer.len() + 64;
     let carried = at.extension("EYEBOX_optics")?.map_or(0, |optics| optics.weight());
-    ledger.budget.charge(&instancing, transforms.len(), size.saturating_add(carried))?;
+    let said = node.user.iter().map(UserProperty::cost).sum::<usize>();
+    ledger.budget.charge(&instancing, transforms.len(), size.saturating_add(carried).saturating_add(said))?;
     let frame = pose.above(index, ledger)?;
     let mut copies = Vec::with_capacity(transforms.len());
     for (i, transform) in transforms.into_iter().enumerate() {

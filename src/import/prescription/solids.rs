@@ -264,10 +264,18 @@ impl Maker<'_> {
             to_world: self.frames[part.frame],
             mesh: Some(self.assembly.meshes.len()),
             attributes: None,
+            user: Vec::new(),
             at: at.clone(),
         });
         let (materials, attributes) = (vec![None; count], vec![None; count]);
-        self.assembly.meshes.push(MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at });
+        self.assembly.meshes.push(MeshSource {
+            mesh: mesh.into(),
+            materials,
+            attributes,
+            rig: None,
+            implicit: None,
+            at,
+        });
         self.parts.push(part);
     }
 }

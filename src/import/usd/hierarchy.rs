@@ -7,10 +7,11 @@ use super::paint::Painted;
 use super::reader::Reader;
 use super::round_trip::RoundTrip;
 use super::xform::{self, Local};
-use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel, skel_binding};
+use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel, skel_binding, user};
 use crate::assembly::{Camera, Node};
 use eyebox_base::Where;
 use eyebox_base::error::Result;
+use eyebox_scene::user_property::UserProperty;
 use openusd::sdf::{self, Specifier};
 use openusd::usd::Prim;
 
@@ -119,6 +120,7 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
     let node = place(reader, &view, local, above.node, marks.text("name").unwrap_or(view.name()))?;
     reader.placed.folds.extend(marks.fold().map(|fold| (node, fold)));
     reader.assembly.nodes[node].attributes = optics::node(reader, &view)?;
+    reader.assembly.nodes[node].user = user::of(reader, &view, &marks)?;
     let mut below = Above {
         node: Some(node),
         handed,
@@ -138,12 +140,17 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
     // A container without contents, or one that is not shown, says nothing.
     let is_container = matches!(type_name.as_str(), "" | "Scope") || !shown;
     let own = &reader.assembly.nodes[node];
-    if is_container && reader.assembly.nodes.len() == node + 1 && own.mesh.is_none() && own.attributes.is_none() {
+    if is_container && reader.assembly.nodes.len() == node + 1 && own.mesh.is_none() && is_silent(own) {
         reader.assembly.nodes.pop();
         reader.placed.resets.remove(&node);
         reader.placed.folds.remove(&node);
     }
     Ok(())
+}
+
+/// Whether nobody has said anything of a node.
+fn is_silent(node: &Node) -> bool {
+    node.attributes.is_none() && node.user.is_empty()
 }
 
 fn children(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<()> {
@@ -228,6 +235,7 @@ pub(super) fn place(
         to_world,
         mesh: None,
         attributes: None,
+        user: Vec::new(),
         at: view.at(),
     });
     Ok(node)
@@ -278,7 +286,8 @@ pub(super) fn copy(reader: &mut Reader, view: &PrimView, template: &Template, to
 
 fn cost(node: &Node) -> usize {
     let attributes = if node.attributes.is_some() { 1024 } else { 0 };
-    size_of::<Node>() + 2 * node.path.len() + 2 * node.name.len() + 64 + attributes
+    let user: usize = node.user.iter().map(UserProperty::cost).sum();
+    size_of::<Node>() + 2 * node.path.len() + 2 * node.name.len() + 64 + attributes + user
 }
 
 /// A place below `from`, as seen below `to`.

@@ -6,7 +6,7 @@ use super::handed::Above;
 use super::mesh::{AllOver, Made};
 use super::reader::Reader;
 use super::{binding, mesh, tessellate};
-use crate::assembly::MeshSource;
+use crate::assembly::{ImplicitShape, MeshSource};
 use crate::frames::uniform_scale;
 use crate::value::{Data, Value};
 use eyebox_base::Where;
@@ -42,6 +42,19 @@ impl Kind {
             _ => return None,
         })
     }
+
+    fn type_name(self) -> &'static str {
+        match self {
+            Kind::Sphere => "Sphere",
+            Kind::Cube => "Cube",
+            Kind::Cylinder => "Cylinder",
+            Kind::Cylinder1 => "Cylinder_1",
+            Kind::Cone => "Cone",
+            Kind::Capsule => "Capsule",
+            Kind::Capsule1 => "Capsule_1",
+            Kind::Plane => "Plane",
+        }
+    }
 }
 
 /// The axis of a shape.
@@ -61,6 +74,14 @@ impl Axis {
             Axis::Z => v,
         }
     }
+
+    fn name(self) -> &'static str {
+        match self {
+            Axis::X => "X",
+            Axis::Y => "Y",
+            Axis::Z => "Z",
+        }
+    }
 }
 
 /// The mesh of an implicit shape, an index of `Assembly::meshes`.
@@ -72,7 +93,7 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
         if let Some(known) = reader.meshes.shapes.get(&look) {
             return Ok(Made::Known(*known));
         }
-        let (mut mesh, shapes) = shape(reader, view, kind)?;
+        let Shape { mut mesh, exact, implicit } = shape(reader, view, kind)?;
         let [first, second] = carried.uvs.map(|uvs| 8 * usize::from(uvs.is_some()));
         let each = 24 + first + second + 16 * usize::from(carried.color.is_some());
         let bytes = 12 * mesh.triangles.len() + each * mesh.positions.len();
@@ -85,13 +106,14 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
         mesh.colors = carried.color.map_or_else(Vec::new, |color| vec![color; all]);
         let materials = vec![material; mesh.faces.len()];
         let mut attributes = vec![None; mesh.faces.len()];
-        for (face, shape) in shapes {
+        for (face, shape) in exact {
             if let Some(slot) = attributes.get_mut(face) {
                 *slot = Some(shape);
             }
         }
-        let index =
-            mesh::keep(reader, MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at: view.at() });
+        let (mesh, implicit) = (mesh.into(), Some(implicit));
+        let source = MeshSource { mesh, materials, attributes, rig: None, implicit, at: view.at() };
+        let index = mesh::keep(reader, source);
         reader.meshes.shapes.insert(look, index);
         Ok(Made::Known(index))
     })
@@ -107,41 +129,56 @@ fn look(view: &PrimView, kind: Kind, (material, carried): (Option<usize>, &AllOv
     Ok(out)
 }
 
-/// The mesh, and the exact surfaces of some faces.
-fn shape(reader: &mut Reader, view: &PrimView, kind: Kind) -> Result<(Mesh, Vec<(usize, Value)>)> {
-    let length = |name: &str, fallback: f64| -> Result<f64> {
+/// What becomes of a shape.
+struct Shape {
+    mesh: Mesh,
+    /// The exact surfaces of some faces.
+    exact: Vec<(usize, Value)>,
+    implicit: ImplicitShape,
+}
+
+fn shape(reader: &mut Reader, view: &PrimView, kind: Kind) -> Result<Shape> {
+    let mut lengths = Vec::new();
+    let mut length = |name: &'static str, fallback: f64| -> Result<f64> {
         let x = view.number(name)?.unwrap_or(fallback);
         if x.is_finite() && x > 0.0 && x <= f64::from(f32::MAX) {
+            lengths.push((name, x));
             return Ok(x);
         }
         Err(view.fault_in(name, format!("the value {x}")).expected("a finite number > 0"))
     };
     let name = view.name();
-    let mut shapes = Vec::new();
+    let mut exact = Vec::new();
+    let mut turned = None;
+    let mut about = || -> Result<Axis> {
+        let own = axis(view)?;
+        turned = Some(own.name());
+        Ok(own)
+    };
     let mesh = match kind {
         Kind::Sphere => {
             let radius = length("radius", 1.0)?;
-            shapes.push((0, sphere(DVec3::ZERO, DVec3::Z, radius, view)));
+            exact.push((0, sphere(DVec3::ZERO, DVec3::Z, radius, view)));
             tessellate::sphere(name, radius)
         }
         Kind::Cube => tessellate::cube(name, length("size", 2.0)?),
         Kind::Cylinder => {
             inexact(reader, view);
             let radius = length("radius", 1.0)?;
-            tessellate::frustum(name, axis(view)?, length("height", 2.0)?, radius, radius)
+            tessellate::frustum(name, about()?, length("height", 2.0)?, radius, radius)
         }
         Kind::Cylinder1 => {
             inexact(reader, view);
             let radii = [length("radiusBottom", 1.0)?, length("radiusTop", 1.0)?];
-            tessellate::frustum(name, axis(view)?, length("height", 2.0)?, radii[0], radii[1])
+            tessellate::frustum(name, about()?, length("height", 2.0)?, radii[0], radii[1])
         }
         Kind::Cone => {
             inexact(reader, view);
-            tessellate::frustum(name, axis(view)?, length("height", 2.0)?, length("radius", 1.0)?, 0.0)
+            tessellate::frustum(name, about()?, length("height", 2.0)?, length("radius", 1.0)?, 0.0)
         }
         Kind::Capsule | Kind::Capsule1 => {
             inexact(reader, view);
-            let (axis, height) = (axis(view)?, length("height", 1.0)?);
+            let (axis, height) = (about()?, length("height", 1.0)?);
             let radius = match kind {
                 Kind::Capsule1 => length("radiusBottom", 0.5)?,
                 Kind::Sphere
@@ -156,13 +193,14 @@ fn shape(reader: &mut Reader, view: &PrimView, kind: Kind) -> Result<(Mesh, Vec<
                 reader.ledger.warn(view.at(), "a capsule with two radii: taken with the one of its bottom");
             }
             let z = axis.turn(DVec3::Z);
-            shapes.push((0, sphere(-0.5 * height * z, z, radius, view)));
-            shapes.push((2, sphere(0.5 * height * z, -z, radius, view)));
+            exact.push((0, sphere(-0.5 * height * z, z, radius, view)));
+            exact.push((2, sphere(0.5 * height * z, -z, radius, view)));
             tessellate::capsule(name, axis, height, radius)
         }
-        Kind::Plane => tessellate::plane(name, axis(view)?, length("width", 2.0)?, length("length", 2.0)?),
+        Kind::Plane => tessellate::plane(name, about()?, length("width", 2.0)?, length("length", 2.0)?),
     };
-    Ok((mesh, shapes))
+    let implicit = ImplicitShape { kind: kind.type_name(), lengths, axis: turned };
+    Ok(Shape { mesh, exact, implicit })
 }
 
 fn axis(view: &PrimView) -> Result<Axis> {

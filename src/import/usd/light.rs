@@ -365,6 +365,7 @@ fn turned(reader: &mut Reader, view: &PrimView, node: usize) -> Result<usize> {
         to_world,
         mesh: None,
         attributes: None,
+        user: Vec::new(),
         at,
     });
     Ok(reader.assembly.nodes.len() - 1)

@@ -7,7 +7,7 @@ use super::reads::{Folding, Reads};
 use super::round_trip::RoundTrip;
 use super::shader::{self, End};
 use super::surface::{self, Row};
-use super::{handed, light, network, optics, stranger, texture};
+use super::{handed, light, network, optics, stranger, texture, user};
 use crate::assembly::Material;
 use crate::value::{Data, Value};
 use eyebox_base::Where;
@@ -228,7 +228,8 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     }
     let name = marks.text("name").unwrap_or(view.name()).to_owned();
     let surface = standard.map(|found| StandardSurface { name: name.clone(), ..found }.into());
-    Ok(Material { name, mapped, attributes, looks, surface, at: view.at() })
+    let user = user::of(reader, view, &marks)?;
+    Ok(Material { name, mapped, attributes, looks, surface, user, at: view.at() })
 }
 
 /// MaterialX' layered surfaces have no threshold: where a UsdPreviewSurface beside one cuts out, so does that.

@@ -52,6 +52,7 @@ mod surface;
 mod tessellate;
 mod texture;
 mod triangulate;
+mod user;
 mod value;
 mod variants;
 mod walk;

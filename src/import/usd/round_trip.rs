@@ -26,6 +26,9 @@ impl RoundTrip {
     pub fn text(&self, key: &str) -> Option<&str> {
         self.0.get(key).and_then(value::text)
     }
+    pub fn texts(&self, key: &str) -> Vec<String> {
+        self.0.get(key).cloned().and_then(value::texts).unwrap_or_default()
+    }
     /// A finite number.
     pub fn number(&self, key: &str) -> Option<f64> {
         self.0.get(key).and_then(value::number).filter(|x| x.is_finite())
@@ -78,14 +81,19 @@ pub(super) fn fold(assembly: &mut Assembly, folds: &HashMap<usize, Fold>) {
                     continue;
                 }
                 let attributes = assembly.nodes[index].attributes.take();
+                let user = std::mem::take(&mut assembly.nodes[index].user);
                 let above = &mut assembly.nodes[parent];
+                above.user.extend(user);
                 above.mesh = mesh.or(above.mesh);
                 above.attributes = attributes.or(above.attributes.take());
                 children[parent] -= 1;
                 into[index] = Some(parent);
             }
             (Some(Fold::Wrapper), None)
-                if mesh.is_none() && node.attributes.is_none() && local == DAffine3::IDENTITY =>
+                if mesh.is_none()
+                    && node.attributes.is_none()
+                    && node.user.is_empty()
+                    && local == DAffine3::IDENTITY =>
             {
                 into[index] = None;
             }

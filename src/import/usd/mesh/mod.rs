@@ -153,7 +153,7 @@ fn made(reader: &mut Reader, view: &PrimView, below: &Above, bends: bool) -> Res
         sources.extend_from_slice(&face.sources);
         append(&mut mesh, face).ok_or_else(|| view.fault("the mesh has more than 4294967295 vertices or triangles"))?;
     }
-    let source = MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at: view.at() };
+    let source = MeshSource { mesh: mesh.into(), materials, attributes, rig: None, implicit: None, at: view.at() };
     Ok(Some(Traced { source, sources }))
 }
 
