@@ -179,7 +179,7 @@ mod tests {
             square("plate", 40.0, "(0, 0, 20)", plate),
         );
         let folder = tempfile::tempdir().unwrap();
-        let sheet = "schema = 1\nasset = \"a.usda\"\n[default]\nfinish = \"material\"\n[[bind]]\npath = \"mirror\"\n\
+        let sheet = "schema = 1\nasset = \"a.usda\"\n[default]\nfinish = { kind = \"lambert\", reflectance = 0.5 }\n[[bind]]\npath = \"mirror\"\n\
                      finish = { kind = \"mirror\", reflectance = 0.9 }\n";
         std::fs::write(folder.path().join("a.usda"), stage).unwrap();
         let file = folder.path().join("a.optics.toml");

