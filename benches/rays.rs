@@ -148,6 +148,7 @@ impl Case {
             medium: None,
             priority: 0,
             materials: Vec::new(),
+            film_in: None,
             faces: vec![face],
         };
         let eye = Eye {

@@ -133,14 +133,14 @@ impl GaussLobe {
     /// cos_o/max(cos_i, cos_o). Interpolated to about 2e-5.
     pub fn albedo(&self, cos_in: f64) -> f64 {
         let theta = cos_in.clamp(0.0, 1.0).acos();
-        let ((x0, y0), (x1, y1)) = self.around(theta).1;
+        let [(x0, y0), (x1, y1)] = self.around(theta).1;
         y0 + (y1 - y0) * ((theta - x0) / (x1 - x0)).clamp(0.0, 1.0)
     }
 
     /// The step of the table that an angle lies in, and its ends.
-    fn around(&self, theta: f64) -> (usize, ((f64, f64), (f64, f64))) {
+    fn around(&self, theta: f64) -> (usize, [(f64, f64); 2]) {
         let above = self.albedo.partition_point(|&(x, _)| x <= theta).clamp(1, self.albedo.len() - 1);
-        (above - 1, (self.albedo[above - 1], self.albedo[above]))
+        (above - 1, [self.albedo[above - 1], self.albedo[above]])
     }
 
     /// m: the share that the lobe does not send on at this cosine of incidence; `rest_*` send it.
@@ -157,7 +157,7 @@ impl GaussLobe {
     pub fn rest_pdf(&self, cos: f64) -> f64 {
         let Some(steps) = &self.rest.steps else { return 0.0 };
         let mu = cos.abs().min(1.0);
-        let (step, ((near, _), (far, _))) = self.around(mu.acos());
+        let (step, [(near, _), (far, _)]) = self.around(mu.acos());
         let width = near.cos().powi(2) - far.cos().powi(2);
         if width > 0.0 { steps.probability(step) / width * mu / PI } else { 0.0 }
     }

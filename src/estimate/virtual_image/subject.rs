@@ -240,10 +240,13 @@ enum By {
     Train(Vec<Link>),
 }
 
+/// Kind, part and face that are seen, and in which of their images.
+type ImageKey = ((Kind, u32, u32), By);
+
 /// The best kind, and of it the image that carries most light.
 fn brightest(found: Found) -> Option<Image> {
     let light = |hits: &[Landed]| hits.iter().map(|hit| hit.carried).sum::<f64>();
-    let mut images: BTreeMap<((Kind, u32, u32), By), Vec<Vec<Landed>>> = BTreeMap::new();
+    let mut images: BTreeMap<ImageKey, Vec<Vec<Landed>>> = BTreeMap::new();
     for ((kind, part, face, Chain(links)), hits) in found {
         let by = image(&links).map_or(By::Train(links), By::Orders);
         images.entry(((kind, part, face), by)).or_default().push(hits);

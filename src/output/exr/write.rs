@@ -41,7 +41,7 @@ const SHORT_NAME: usize = 31;
 /// Metadata: `colorInteropID` (text, default `lin_rec709_scene`) and `whiteLuminance` (number, default 1: values are
 /// cd/m²) and Cryptomatte's (`cryptomatte/…`) under their own names, every other entry `key` as `eyebox.key`: text as `string`, numbers as `double`,
 /// integers as `int`, or as `string` when they need more than 32 bits ([`Frame::integer`] reads both back).
-/// Where the metadata tell of an `eye`, `worldToCamera` and `worldToNDC` say where it was, as OpenEXR defines them ([`camera`]).
+/// Where the metadata tell of an `eye`, `worldToCamera` and `worldToNDC` say where it was, as OpenEXR defines them (`camera.rs`).
 /// `halfFloat` = 1 stores pictures as halves where these hold them, and `compression` names a [`Packing`].
 ///
 /// Returns [`warnings`].
