@@ -39,7 +39,7 @@ impl Run<'_> {
             lines.push(format!("{output}: {width} × {height} pixels in cd/m², traced in {seconds:.1} s"));
             let of_all = if error.is_some() { " of the whole picture" } else { "" };
             lines.push(format!("{}{of_all}; {}", stated(*error, outcome.films.passes), self.why_it_ended(outcome)));
-            lines.extend(ending.lines.iter().cloned());
+            lines.extend(witnessed(&ending.lines, args.verbose).into_iter().cloned());
             lines.push(format!(
                 "next: `eyebox view {output} -o {}` makes a PNG, `eyebox report {output} -o {}` a page",
                 args.output.with_extension("png").display(),
@@ -105,4 +105,14 @@ fn dealt(films: &Films) -> Option<String> {
     };
     let each: Vec<String> = films.films.iter().map(of_film).collect();
     (films.dealt.rounds > 0).then(|| format!("passes where the error is (layer `work`): {}", each.join("; ")))
+}
+
+/// What is said of the witness: all of it, or what it saw of two kinds of light; if it saw none, why not of one.
+fn witnessed(lines: &[String], verbose: bool) -> Vec<&String> {
+    const FEW: usize = 2;
+    if verbose {
+        return lines.iter().collect();
+    }
+    let saw: Vec<&String> = lines.iter().filter(|line| line.contains('±') || line.contains('%')).take(FEW).collect();
+    if saw.is_empty() { lines.iter().take(1).collect() } else { saw }
 }
