@@ -238,7 +238,7 @@ fn images_of_lamps_are_in_the_first_passes() {
 fn what_rays_from_the_eye_lose_is_followed_from_the_lamps() {
     let scenes = [
         ("small lamp", plain([1e-4, 1e-4], 0.5).0, 64),
-        ("hole", through_a_hole([4e-5, 4e-5]).0, 512),
+        ("hole", through_a_hole([4e-5, 4e-5]).0, 128),
         ("lit screen", lit_screen(), 64),
     ];
     for (name, scene, passes) in scenes {
@@ -253,7 +253,7 @@ fn what_rays_from_the_eye_lose_is_followed_from_the_lamps() {
         };
         let groups = scene.groups.len();
         let [(world, plan), (dark_world, dark_plan)] = [&scene, &dark].map(planned);
-        for seed in 1..=4 {
+        for seed in 1..=2 {
             let mut watching =
                 Witness::<Mono<f64>>::new(&world, &plan, groups, (SIZE, None), seed).expect("lamps are followed");
             watching.attend(&(0..passes).map(|pass| (pass, 6_000_000)).collect::<Vec<_>>());
@@ -268,7 +268,7 @@ fn what_rays_from_the_eye_lose_is_followed_from_the_lamps() {
             let [ratio, error] = own.ratio.expect("they are seen");
             println!("{name}, seed {seed}: {ratio:.4} ± {error:.4}, {} samples", own.looks);
             assert!(!sound.is_off() && (ratio - 1.0).abs() < 4.0 * error, "{name}, seed {seed}: {own:?}");
-            assert!(error < 0.1, "{name}, seed {seed}: {own:?}");
+            assert!(error < 0.2, "{name}, seed {seed}: {own:?}");
             let off = judged(&dark_world, &dark_plan).judged.into_iter().find_map(|own| own.off);
             let off = off.unwrap_or_else(|| panic!("{name}, seed {seed}: nothing is missed"));
             let right = off.columns.is_none_or(|[_, last]| last > RIGHT);
