@@ -252,25 +252,28 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.attenuate(hit.t, ledger);
         let (geometry, contacts) = (&self.world.geometry, &self.world.contacts);
         let (mut touching, mut then, mut back, mut hit) = (None, None, None, hit);
-        let mut beside = None;
-        if !geometry.has_no_films() {
+        let beside = if geometry.has_no_films() {
+            if at_once {
+                // The other one of the two has been met.
+                back = contacts.covered(geometry, &hit, dir).map(|[first, _]| first);
+                self.ray.from
+            } else if let Some(joint) = contacts.joint(geometry, &self.world.solids, &hit) {
+                (hit, touching) = (joint.hit, Some(joint.other));
+                Some(joint.other.site)
+            } else {
+                let covered = contacts.covered(geometry, &hit, dir);
+                if let Some([first, second]) = covered {
+                    (hit, then) = (first, Some(second));
+                }
+                covered.map(|[_, second]| second.site)
+            }
+        } else {
             let pile = Pile::at(self.world, &hit, dir);
             let place = if at_once { pile.place_of(hit.site) } else { 0 };
             (hit, touching) = (Hit { t: hit.t, ..pile.hits[place] }, pile.touching_at(place));
             (then, back) = (pile.hits.get(place + 1).copied(), place.checked_sub(1).map(|before| pile.hits[before]));
-            beside = pile.beside(geometry, place);
-        } else if at_once {
-            // The other one of the two has been met.
-            back = contacts.covered(geometry, &hit, dir).map(|[first, _]| first);
-        } else if let Some(joint) = contacts.joint(geometry, &self.world.solids, &hit) {
-            (hit, touching) = (joint.hit, Some(joint.other));
-        } else if let Some([first, second]) = contacts.covered(geometry, &hit, dir) {
-            (hit, then) = (first, Some(second));
-        }
-        if geometry.has_no_films() {
-            let other = touching.map(|other| other.site).or(then.map(|hit| hit.site));
-            beside = if at_once { self.ray.from } else { other };
-        }
+            pile.beside(geometry, place)
+        };
         let outside = dir.dot(hit.normal) < 0.0;
         let shading = self.world.shading(&hit, dir);
         let normal = if outside { shading } else { -shading };

@@ -108,12 +108,12 @@ impl Planner<'_> {
                 let left = reached::left_to_eye(self.world, plan, self.groups(), &made, self.stop).max(found.left);
                 plan.unknown_share = (UNKNOWN * left).clamp(least, 1.0);
             }
-            let before = plan.rows.iter().filter(|row| starts_paths(row)).count();
+            let before = plan.rows.iter().filter(|row| pilots::starts_paths(row)).count();
             leave_unconnected(plan, Class::Vision, Some(&pilot.arrived));
             if !plan.runs(Estimator::Forward) {
                 break;
             }
-            if plan.rows.iter().filter(|row| starts_paths(row)).count() < before {
+            if plan.rows.iter().filter(|row| pilots::starts_paths(row)).count() < before {
                 // Of fewer lamps the guide is another.
                 continue;
             }
@@ -339,15 +339,6 @@ fn leave_unconnected(plan: &mut Plan, class: Class, arrived: Option<&[u64]>) {
                 own(rest, format!("a pilot found no train of specular faces from {between} that could be connected"))
             }
         };
-    }
-}
-
-/// Whether paths start on a row's lamps to arrive in the pupil.
-fn starts_paths(row: &Row) -> bool {
-    match &row.verdict {
-        Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
-        Verdict::Emitted { .. } => true,
-        Verdict::Skip { .. } => false,
     }
 }
 

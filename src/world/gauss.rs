@@ -104,29 +104,22 @@ impl GaussLobe {
             Some(m) => self.sampling_norm * cosine(angle(axis, dir), m),
         }
     }
-    /// `value/pdf` at the angle whose chord is `chord`; at most `C/C_sampled`, 1 for small σ and 1.19 at 60°.
-    fn ratio(&self, chord: f64) -> f64 {
-        let t = chord_to_angle(chord);
-        let excess = (t - chord) / self.sigma * ((t + chord) / self.sigma);
-        self.norm / self.sampling_norm * (-0.5 * excess).exp()
-    }
-
-    /// A direction near the axis, its `value/pdf`.
+    /// A direction near the axis, by [`GaussLobe::pdf`].
     ///
     /// The chord c = 2 sin(t/2) has dω = c dc dφ, so a lobe Gaussian in c inverts in closed form over the whole sphere
     /// (R. Fisher's spherical distribution of 1953, sampled as by G. Ulrich 1984); its ratio to the lobe Gaussian in t
-    /// is bounded, and no random number is thrown away.
-    pub fn sample(&self, axis: DVec3, [a, b]: [f64; 2]) -> (DVec3, f64) {
+    /// is bounded (1.19 at 60°), and no random number is thrown away.
+    pub fn sample(&self, axis: DVec3, [a, b]: [f64; 2]) -> DVec3 {
         if let Some(m) = self.exponent {
             let local = cos_n_hemisphere([a, b], m);
-            return (Frame::about(axis).to_world(local).normalize(), self.norm / self.sampling_norm);
+            return Frame::about(axis).to_world(local).normalize();
         }
         let s2 = self.sigma * self.sigma;
         let chord2 = (-2.0 * s2 * f64::ln_1p(a * f64::exp_m1(-2.0 / s2))).clamp(0.0, 4.0);
         let sin = (chord2 * (1.0 - chord2 / 4.0)).max(0.0).sqrt();
         let phi = TAU * b;
         let local = DVec3::new(sin * phi.cos(), sin * phi.sin(), 1.0 - chord2 / 2.0);
-        (Frame::about(axis).to_world(local).normalize(), self.ratio(chord2.sqrt()))
+        Frame::about(axis).to_world(local).normalize()
     }
 
     /// The share of a unit lobe that leaves in its own half space at incidence `cos_in`, with the lobe's falloff

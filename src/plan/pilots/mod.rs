@@ -26,7 +26,7 @@ use eyebox_estimate::manifold::seeds::bands::Bands;
 use eyebox_estimate::manifold::seeds::connections::Connections;
 use eyebox_estimate::ownership::Ownership;
 use eyebox_film::guide::{Even, Guide, Point, Sample};
-use eyebox_film::plan::{Estimator, Plan};
+use eyebox_film::plan::{Estimator, Plan, Row, Verdict};
 use eyebox_world::World;
 use eyebox_world::mode::Mono;
 pub(crate) use photons::photon;
@@ -182,6 +182,15 @@ fn look<L: Look>(
     }
     let guide = looks.learn();
     (looks, guide)
+}
+
+/// Whether paths start on a row's lamps to arrive in the pupil.
+pub(super) fn starts_paths(row: &Row) -> bool {
+    match &row.verdict {
+        Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
+        Verdict::Emitted { .. } => true,
+        Verdict::Skip { .. } => false,
+    }
 }
 
 /// Learns where lamp paths have to start to arrive in the picture.

@@ -2,7 +2,7 @@
 
 use super::glint_pilot::{self, Search};
 use super::split_threshold::{self, Branches};
-use super::{ForwardPilot, SEED, forward};
+use super::{ForwardPilot, SEED, forward, starts_paths};
 use crate::Planner;
 use eyebox_base::chain::Chain;
 use eyebox_base::ids::GroupId;
@@ -12,7 +12,7 @@ use eyebox_estimate::manifold::receiver::Receivers;
 use eyebox_estimate::manifold::seeds::connections::{Connections, index_of};
 use eyebox_estimate::manifold::solver::grid::Grid;
 use eyebox_film::glint::Glint;
-use eyebox_film::plan::{Estimator, Plan, Row, Verdict};
+use eyebox_film::plan::{Estimator, Plan, Row};
 use eyebox_film::specular_chain::{Connection, Screen};
 use eyebox_film::unseen::Hidden;
 use eyebox_world::World;
@@ -46,12 +46,7 @@ pub(crate) struct PilotCache {
 impl PilotCache {
     /// [`forward`].
     pub fn forward(&self, world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Rc<ForwardPilot> {
-        let by = |verdict: &Verdict| match verdict {
-            Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
-            Verdict::Emitted { .. } => true,
-            Verdict::Skip { .. } => false,
-        };
-        let rows = plan.rows.iter().map(|row| by(&row.verdict)).collect();
+        let rows = plan.rows.iter().map(starts_paths).collect();
         known(&self.forward, rows, |_| Rc::new(forward(world, plan, groups, stop)))
     }
 

@@ -37,7 +37,7 @@ pub(super) fn sample(lobe: &GaussLobe, shares: Shares, d_in: DVec3, u: [f64; 3])
         if reflects { up } else { mirrored(up) }
     } else {
         let rest = (u[1] - lost) / (1.0 - lost);
-        lobe.sample(if reflects { mirrored(d_in) } else { d_in }, [rest, u[2]]).0
+        lobe.sample(if reflects { mirrored(d_in) } else { d_in }, [rest, u[2]])
     };
     let right_side = if reflects { dir.z > 0.0 } else { dir.z < 0.0 };
     let density = density(lobe, lost, d_in, dir);
