@@ -63,6 +63,8 @@ mod inspect_init;
 mod paths;
 mod report;
 mod scan;
+mod scan_guides;
+mod scan_pictures;
 mod sensor;
 mod sequence;
 mod shards;

@@ -60,8 +60,8 @@ pub struct ScanArgs {
     /// Passes of each short rendering.
     #[arg(long, value_name = "PASSES", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
-    /// Width and height of the short renderings in pixels [default: the eye's, scaled to a longer side of 120]. Their field of
-    /// view is as wide as the picture needs from each position.
+    /// Width and height of the short renderings in pixels [default: the eye's, scaled to a longer side of 120]. The picture fills
+    /// them from each position.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     resolution: Option<[usize; 2]>,
     /// Trace the polarisation of light in the short renderings.

@@ -42,7 +42,7 @@ fn settle(scene: &mut Scene, asked: Asked, stop: &ShouldStop<'_>) -> Result<Opti
     let age = scene.eye.age.clamp(AGES[0], AGES[1]);
     let mut found = None;
     for _ in 0..MOST_STEPS {
-        let Some((frame, _)) = rendered(scene, &light, stop)? else { return Ok(None) };
+        let Some((frame, _)) = rendered(scene, &light, None, stop)? else { return Ok(None) };
         let (luminance_cd_m2, field_sr) = mean(&frame, &scene.eye);
         let field_deg2 = field_sr * 1f64.to_degrees().powi(2);
         let diameter_m = 1e-3 * pupil_watson_yellott_mm(luminance_cd_m2, field_deg2, age, Eyes::Both);

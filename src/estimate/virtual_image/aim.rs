@@ -125,9 +125,9 @@ fn transported(
     Some(dir)
 }
 
-/// The share of the light at the point, polarised as it leaves there where paths carry that, that a ray from the eye takes up
-/// after it has met the faces of the train one after the other. None where something is in the way. A slide's picture is left
-/// out.
+/// The light of the point, polarised as it leaves there where paths carry that, that a ray from the eye takes up
+/// after it has met the faces of the train one after the other. None where something is in the way. Of a lamp that is its luminance
+/// towards the ray, cd/m²; of a slide, whose picture is left out, and of a screen the share of light that arrives.
 pub fn carried_along<M: Mode>(
     tracing: (&World, &Optics<M>),
     subject: &Subject,
@@ -155,7 +155,14 @@ pub fn carried_along<M: Mode>(
                 return None;
             }
             if let Some(lamp) = walker.lamp_at(&vertex) {
-                return Some(walker.carried_of(&lamp));
+                return Some(walker.carried_of(&lamp) * lamp.luminance);
+            }
+            // One that is on, but not towards the ray.
+            let lamps = &tracing.0.lamps;
+            let lamp =
+                lamps.of_face(subject.part as usize, subject.face as usize).and_then(|index| lamps.all().get(index));
+            if lamp.is_some_and(|lamp| lamp.flux_lm > 0.0) {
+                return Some(0.0);
             }
             // A slide gives its light a polarisation.
             if matches!(walker.face(&vertex).surface, Surface::Slide(_)) {

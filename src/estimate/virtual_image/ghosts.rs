@@ -3,10 +3,12 @@
 
 use super::aim::{aim_over, carried_along};
 use super::image::{arcmin, turned};
-use super::look::{Effort, Landed, look_around};
+use super::look::{Landed, Look, look_around};
+use super::same_image::image;
 use super::subject::{Point, Subject};
-use super::tuning::ghosts::{MOST_BRANCHES, MOST_RIVALS, MOST_WAYS};
-use eyebox_base::chain::{Link, Step};
+use super::tuning::ghosts::{MOST_RIVALS, MOST_WAYS};
+use super::ways::Effort;
+use eyebox_base::chain::Link;
 use eyebox_world::World;
 use eyebox_world::mode::{Mode, Mono, MonoStokes};
 use eyebox_world::optics::Optics;
@@ -19,17 +21,28 @@ pub struct GhostPoint {
     pub cell: [usize; 2],
     /// From the main image's point to the right and up as the eye sees it, minutes of arc.
     pub separation_arcmin: [f64; 2],
-    /// Luminance over that of the main image. Both trains image one face into air, so that it is the ratio of the shares of
-    /// light that the two trains carry (radiance over n² is kept along a ray; Born and Wolf, 4.8.3).
+    /// What it has of the picture's light over what the main image has. Both trains image one face into air, so that of a lamp it is the
+    /// ratio of luminances (radiance over n² is kept along a ray; Born and Wolf, 4.8.3). Of a slide and a screen it is that if they are as
+    /// bright towards either train: what shines through them is not asked.
     pub ratio: f64,
+}
+
+/// Other trains to a face, those with most light first.
+pub struct Trains {
+    pub images: Vec<Subject>,
+    /// The largest share of a ray's light whose ways were not followed though they carry as much as was asked for.
+    pub left_out: f64,
 }
 
 /// The trains other than that of `main` over which the eye of `world` sees the same face with at least the share `least` of
 /// what a ray starts with, most light first.
-pub fn find(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec<Subject> {
+pub fn find(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Trains {
+    trains(tracing, main, Effort { least, left_out: 0.0, most_ways: MOST_WAYS })
+}
+
+fn trains(tracing: (&World, &Optics<Mono>), main: &Subject, effort: Effort) -> Trains {
     let half = tracing.0.eye.half();
-    let effort = Effort { least, most_branches: MOST_BRANCHES };
-    let found = look_around(tracing, [-half, half], (Some(main.part), effort));
+    let Look { found, left_out, .. } = look_around(tracing, [-half, half], (Some(main.part), effort));
     let own = main.train.chain();
     let mut ghosts: Vec<(f64, Subject)> = Vec::new();
     for ((_, _, face, chain), hits) in found {
@@ -40,47 +53,50 @@ pub fn find(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec
     }
     // By name where two are alike, so that their order hangs on nothing else.
     ghosts.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.train.chain().cmp(&b.1.train.chain())));
-    ghosts.into_iter().map(|(_, ghost)| ghost).collect()
+    Trains { images: ghosts.into_iter().map(|(_, ghost)| ghost).collect(), left_out }
 }
 
-/// What is looked at over that train, of its own and those that carry the share `least`, that brings most light to the middle of the
+/// What is looked at over that train, of its own and those of other images, that brings most light to the middle of the
 /// eyebox as polarised paths have it: without polarisation light that goes straight through a folded lens is brighter than the
 /// picture.
-pub fn main_image(tracing: (&World, &Optics<Mono>), subject: Subject, least: f64) -> Subject {
+pub fn main_image(tracing: (&World, &Optics<Mono>), subject: Subject) -> Subject {
     let polarised = MonoStokes::optics(tracing.0, 0, 0);
     let light = |subject: &Subject| {
         let seen = seen(tracing, &polarised, subject, subject.from);
         seen.into_iter().flatten().map(|seen| seen.light).sum::<f64>()
     };
-    let others = find(tracing, &subject, least);
+    let mut rivals: Vec<Subject> = Vec::new();
+    for other in trains(tracing, &subject, subject.effort).images {
+        let is_new = |known: &Subject| !shows_the_same(known, &other);
+        if rivals.len() < MOST_RIVALS && is_new(&subject) && rivals.iter().all(is_new) {
+            rivals.push(other);
+        }
+    }
     let first = (light(&subject), subject);
     let brighter = |best: (f64, Subject), other: Subject| {
         let own = light(&other);
         if own > best.0 { (own, other) } else { best }
     };
-    others.into_iter().take(MOST_RIVALS).fold(first, brighter).1
+    rivals.into_iter().fold(first, brighter).1
 }
 
 /// Trains other than that of `main` that show the same image: over gratings, by the same orders of the same parts. Between them light
-/// may have been reflected any number of times, as in the slab of a light guide, which sends the picture out again and again.
-pub fn ways(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec<Subject> {
+/// may have been reflected any number of times, as in the slab of a light guide, which sends the picture out again and again. What is left
+/// out is over the light of the picture.
+pub fn ways(tracing: (&World, &Optics<Mono>), main: &Subject) -> Trains {
     if !main.train.0.iter().any(|lens| lens.link.order != 0) {
-        return Vec::new();
+        return Trains { images: Vec::new(), left_out: main.left_out };
     }
-    find(tracing, main, least).into_iter().filter(|other| shows_the_same(main, other)).take(MOST_WAYS).collect()
+    let Trains { images, left_out } = trains(tracing, main, main.effort);
+    let images = images.into_iter().filter(|other| shows_the_same(main, other)).collect();
+    Trains { images, left_out: left_out / main.light }
 }
 
 /// Whether two trains bend light by the same orders of the same parts, of which there are some, and go the same way before the first of
 /// these and after the last: what is reflected there is a ghost.
 pub fn shows_the_same(main: &Subject, other: &Subject) -> bool {
-    let key = |subject: &Subject| -> Option<Vec<(u32, Step, i32)>> {
-        let links: Vec<_> = subject.train.0.iter().map(|lens| lens.link).collect();
-        let is_bent = |link: &Link| link.order != 0;
-        let (first, last) = (links.iter().position(is_bent)?, links.iter().rposition(is_bent)?);
-        let own = links.iter().enumerate().filter(|(k, link)| is_bent(link) || *k < first || *k > last);
-        Some(own.map(|(_, link)| (link.part, link.step, link.order)).collect())
-    };
-    key(main).is_some_and(|own| key(other) == Some(own))
+    let of = |subject: &Subject| image(&subject.train.0.iter().map(|lens| lens.link).collect::<Vec<Link>>());
+    of(main).is_some_and(|own| of(other) == Some(own))
 }
 
 /// The same picture over the train of these hits.
@@ -95,7 +111,7 @@ fn over(world: &World, main: &Subject, hits: &[Landed]) -> Option<Subject> {
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
     dir: DVec3,
-    /// The share of the point's light.
+    /// As [`carried_along`] has it.
     light: f64,
 }
 

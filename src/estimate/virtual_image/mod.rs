@@ -2,11 +2,15 @@
 //! such directions say of the virtual image.
 
 pub mod aim;
+mod extent;
 pub mod ghosts;
 pub mod image;
 mod look;
+mod outline;
+mod same_image;
 pub mod subject;
 mod tuning;
+mod ways;
 
 use crate::walk::{Travel, Walker};
 use eyebox_base::rng::{Rng, Stream};

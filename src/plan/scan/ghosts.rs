@@ -2,7 +2,7 @@
 
 use super::tuning::ghosts::{LEAST, MOST};
 use crate::paths::Visits;
-use eyebox_estimate::virtual_image::ghosts::{self, GhostPoint, find, shows_the_same};
+use eyebox_estimate::virtual_image::ghosts::{self, GhostPoint, Trains, find, shows_the_same};
 use eyebox_estimate::virtual_image::subject::Subject;
 use eyebox_scene::{Eye, Scene};
 use eyebox_world::World;
@@ -47,10 +47,12 @@ pub fn name(scene: &Scene, world: &World, subject: &Subject) -> String {
     if orders.is_empty() { parts } else { format!("{parts}; orders {}", orders.join(", ")) }
 }
 
-/// The picture's other images from the middle of the eyebox, most light first.
-pub fn trains(scene: &Scene, tracing: (&World, &Optics<Mono>), main: &Subject) -> Vec<Named> {
+/// The picture's other images from the middle of the eyebox, most light first, and the largest share of a ray's light whose ways were
+/// not followed though they carry enough.
+pub fn trains(scene: &Scene, tracing: (&World, &Optics<Mono>), main: &Subject) -> (Vec<Named>, f64) {
     let mut names: Vec<Named> = Vec::new();
-    let other_images = find(tracing, main, LEAST).into_iter().filter(|other| !shows_the_same(main, other));
+    let Trains { images, left_out } = find(tracing, main, LEAST);
+    let other_images = images.into_iter().filter(|other| !shows_the_same(main, other));
     for subject in other_images.take(MOST) {
         let by = name(scene, tracing.0, &subject);
         // Faces of one part are not told apart by its name.
@@ -58,7 +60,7 @@ pub fn trains(scene: &Scene, tracing: (&World, &Optics<Mono>), main: &Subject) -
         let by = if alike == 0 { by } else { format!("{by} #{}", alike + 1) };
         names.push(Named { by, subject });
     }
-    names
+    (names, left_out)
 }
 
 /// All of them that are seen from `eye`, with their largest first.

@@ -1,6 +1,7 @@
 //! The luminance of the virtual image from one position, by a short rendering: with lamps imaged into the pupil or behind
 //! a screen that scatters there is no ray whose luminance would be that of the whole pupil.
 
+use super::patch::{Patches, weights};
 use super::places::{Places, looking_at};
 use crate::{Asked, follows_rays, plan_unless};
 use eyebox_base::colour::ColourSpace;
@@ -9,11 +10,12 @@ use eyebox_check::check;
 use eyebox_estimate::ShouldStop;
 use eyebox_estimate::picture::{add_meta, picture};
 use eyebox_estimate::run::{Films, Limits, Observer, Status, run};
+use eyebox_film::crop::Crop;
 use eyebox_film::error_detail::ErrorDetail;
 use eyebox_film::frame::Frame;
-use eyebox_output::average::{Image, Uncertain, mean, pixels_are_independent};
+use eyebox_output::average::{Image, Uncertain, pixels_are_independent, weighted};
 use eyebox_output::contrasts::Contrasts;
-use eyebox_output::leak::{modulated, patch_pixels};
+use eyebox_output::leak::modulated;
 use eyebox_output::light_shares::{Rendering, luminance_of};
 use eyebox_output::luminance::Luminance;
 use eyebox_scene::Scene;
@@ -42,6 +44,9 @@ pub struct White {
     pub uniformity: Option<Level>,
     /// How many patches `mean` is of.
     pub patches: usize,
+    /// Side of each of them, degrees where the eye looks straight ahead.
+    #[serde(default)]
+    pub patch_deg: f64,
     /// Lamps are on, and no light came from anywhere in the picture.
     pub black: bool,
 }
@@ -78,29 +83,23 @@ pub fn white(
 ) -> Result<Option<White>> {
     let Some([low, high]) = places.bounds() else { return Ok(None) };
     let own = scene.eye.clone();
-    scene.eye = looking_at(&own, [low, high]);
-    let seen = rendered(scene, light, stop);
+    let patches = Patches::over(&looking_at(&own, [low, high]), [low, high], blur);
+    scene.eye = patches.eye.clone();
+    let seen = rendered(scene, light, Some(patches.crop), stop);
     scene.eye = own;
     let Some((frame, world)) = seen? else { return Ok(None) };
     let image = display(&frame)?;
     let independent = pixels_are_independent(&frame);
     let (size, pixel) = ([frame.width, frame.height], DVec2::from_array(world.eye.pixel()));
-    // A patch at a sixth of a side is to be inside, however small the picture is: a third of the side, less the pixel by which
-    // it may have to be moved, less what the rim beyond the outermost points has, and less the blur of the rim.
-    let third = ((0.98 * (high - low) / 3.0 - 2.0 * blur) / pixel - 1.0).min_element().max(1.0) as usize;
-    let side = patch_pixels(&frame).clamp(1, third);
     let at = |u: f64, v: f64| {
-        let middle = 0.5 * DVec2::new(size[0] as f64, size[1] as f64);
-        let place = places.film([u, v])? / pixel;
-        let pixels = patch(middle + DVec2::new(place.x, -place.y), side, size)?;
-        let film = |column: usize, row: usize| {
-            let across = DVec2::new(column as f64, row as f64) - middle;
-            DVec2::new(across.x, -across.y) * pixel
-        };
-        let [left, right, top, bottom] = pixels;
-        let inside = places.holds([film(left, bottom) - blur, film(right, top) + blur]);
-        let all: Vec<usize> = (top..bottom).flat_map(|y| (left..right).map(move |x| y * size[0] + x)).collect();
-        if inside { mean(&image, &all, independent) } else { None }
+        let film = places.film([u, v])?;
+        // Of a pixel on its rim it has light from all of it.
+        let reach = (0.5 * patches.pixels as f64 + 1.0) * pixel + blur;
+        if !places.holds([film - reach, film + reach]) {
+            return None;
+        }
+        let place = 0.5 * DVec2::new(size[0] as f64, size[1] as f64) + DVec2::new(film.x, -film.y) / pixel;
+        weighted(&image, &weights(place, patches.pixels, size)?, independent)
     };
     let cell = |i: usize, count: usize| (i as f64 + 0.5) / count as f64;
     let all: Vec<Uncertain> =
@@ -121,13 +120,20 @@ pub fn white(
         mean: sum.map(|sum| Level { value: sum.value / count, sigma: sum.sigma.map(|sigma| sigma / count) }),
         uniformity: extremes.and_then(|(least, most)| least.over(*most)).map(Level::from),
         patches: all.len(),
+        patch_deg: patches.side_deg(),
         black: on && !lit,
     }))
 }
 
-/// The frame of a short rendering and its world. None if `stop` said true.
-pub(crate) fn rendered(scene: &Scene, light: &LightAsked, stop: &ShouldStop<'_>) -> Result<Option<(Frame, World)>> {
-    let (checked, world) = (check(scene)?, World::freeze(scene)?);
+/// The frame of a short rendering, of which only `crop` is rendered if there is one, and its world. None if `stop` said true.
+pub(crate) fn rendered(
+    scene: &Scene,
+    light: &LightAsked,
+    crop: Option<Crop>,
+    stop: &ShouldStop<'_>,
+) -> Result<Option<(Frame, World)>> {
+    let (checked, mut world) = (check(scene)?, World::freeze(scene)?);
+    world.eye.crop = crop;
     follows_rays(&checked, &world, light.asked)?;
     let Some(mut plan) = plan_unless(&checked, &world, light.asked, stop) else { return Ok(None) };
     plan.errors = ErrorDetail::Layers;
@@ -166,28 +172,4 @@ fn display(frame: &Frame) -> Result<Image> {
     }
     let errors = variances.map(|all: Vec<f64>| all.into_iter().map(f64::sqrt).collect());
     Ok(Image { values, errors })
-}
-
-/// The square of pixels about a place, from its left, to its right, from its top and to its bottom; none that the frame cuts.
-fn patch(place: DVec2, side: usize, size: [usize; 2]) -> Option<[usize; 4]> {
-    let range = |at: f64, size: usize| {
-        let first = (at - 0.5 * side as f64).round();
-        (first >= 0.0 && first + side as f64 <= size as f64).then_some([first as usize, first as usize + side])
-    };
-    let ([left, right], [top, bottom]) = (range(place.x, size[0])?, range(place.y, size[1])?);
-    Some([left, right, top, bottom])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_patch_is_whole_or_not_at_all() {
-        let at = |x: f64, y: f64, side: usize| patch(DVec2::new(x, y), side, [8, 6]);
-        assert_eq!(at(3.5, 5.5, 1), Some([3, 4, 5, 6]));
-        assert_eq!(at(6.7, 4.4, 3), Some([5, 8, 3, 6]));
-        assert_eq!(at(6.4, 4.4, 2), Some([5, 7, 3, 5]));
-        assert_eq!((at(0.5, 3.0, 3), at(4.0, 5.5, 3), at(f64::NAN, 3.0, 1)), (None, None, None));
-    }
 }

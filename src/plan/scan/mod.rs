@@ -7,6 +7,7 @@ pub mod ghosts;
 pub mod light;
 pub mod limits;
 pub mod lines;
+mod patch;
 pub mod places;
 pub mod table;
 mod tuning;
@@ -17,7 +18,7 @@ use eyebox_base::{Error, Where};
 use eyebox_estimate::ShouldStop;
 use eyebox_estimate::virtual_image::aim::{Sight, aim, aim_alone, aim_over};
 use eyebox_estimate::virtual_image::image::{Disparity, Distortion, Vergence, arcmin, disparity, distortion, vergence};
-use eyebox_estimate::virtual_image::subject::{Kind, Point, Subject};
+use eyebox_estimate::virtual_image::subject::{Kind, Point, Subject, is_too_much};
 use eyebox_scene::{Eye, Scene};
 use eyebox_world::World;
 use eyebox_world::mode::{Mode, Mono};
@@ -62,6 +63,10 @@ pub struct Scan {
     pub ipd_m: f64,
     /// Row by row from the upper left as the eye looks.
     pub positions: Vec<Position>,
+    /// The largest share of a ray's light whose ways were not followed when ghosts were looked for, though each carries as much as a
+    /// ghost has to.
+    #[serde(default)]
+    pub ghosts_left_out: f64,
     /// If they were asked for.
     #[serde(default)]
     pub edges: Option<Edges>,
@@ -77,6 +82,10 @@ pub struct Position {
     pub seen: f64,
     /// Share of what is seen that lies outside of the eye's own field of view: `render` cuts it off from here.
     pub cut: f64,
+    /// What ways that were not followed carry of a ray, at most, over what a ray brings from the picture: a 64th at most where there were
+    /// not too many of them.
+    #[serde(default)]
+    pub left_out: f64,
     /// Why nothing was scanned from here.
     pub why: Option<String>,
     /// What is suspicious about what was found.
@@ -120,7 +129,8 @@ pub struct Line {
     /// Column and row.
     pub cell: [usize; 2],
     pub seen: bool,
-    /// From the viewing axis to the right and up, degrees; also where something hides it.
+    /// From the viewing axis to the right and up as a picture has it, degrees: atan(x/z) and atan(y/z) of the direction (x right, y up, z ahead);
+    /// also where something hides it.
     pub direction_deg: Option<[f64; 2]>,
     pub vergence: Option<Vergence>,
     pub disparity: Option<Disparity>,
@@ -146,7 +156,7 @@ pub fn scan(
     let optics = Mono::<f64>::optics(&world, 0, 0);
     let subject = Subject::find(&scene, (&world, &optics), asked.target.as_deref(), asked.points)?;
     let subject = subject.polarised((&world, &optics)).stitched((&world, &optics));
-    let doubled = ghosts::trains(&scene, (&world, &optics), &subject);
+    let (doubled, ghosts_left_out) = ghosts::trains(&scene, (&world, &optics), &subject);
     let by = ghosts::name(&scene, &world, &subject);
     let (middle, [columns, rows]) = (scene.eye.position, asked.positions);
     let mut positions = Vec::with_capacity(columns * rows);
@@ -159,6 +169,7 @@ pub fn scan(
             Ok(world) => {
                 let optics = Mono::<f64>::optics(&world, 0, 0);
                 let subject = subject.stitched((&world, &optics));
+                position.left_out = subject.left_out;
                 lines::fill(&mut position, (&world, &optics), &scene.eye, &subject, asked.ipd_m);
                 position.ghosts = ghosts::seen((&world, &optics), &subject, &doubled, &scene.eye);
                 let places = Places::new(&position.points, asked.points);
@@ -170,7 +181,10 @@ pub fn scan(
                         Err(fault) => position.why = Some(fault.to_string()),
                     }
                 }
-                position.warning = position.luminance.filter(|white| white.black).map(|_| black(&position));
+                position.warning = match position.luminance {
+                    Some(white) if white.black => Some(black(&position)),
+                    Some(_) | None => missed(&position),
+                };
             }
             // The eye is inside of something, most likely.
             Err(fault) => position.why = Some(fault.to_string()),
@@ -191,7 +205,8 @@ pub fn scan(
     }
     let part = scene.parts.get(subject.part as usize).map_or_else(String::new, |part| part.path.clone());
     let (face, kind, picture_m) = (subject.face, subject.kind, subject.size);
-    Ok(Some(Scan { part, face, kind, by, picture_m, eyebox_m, ipd_m: asked.ipd_m, positions, edges: ends }))
+    let ipd_m = asked.ipd_m;
+    Ok(Some(Scan { part, face, kind, by, picture_m, eyebox_m, ipd_m, positions, ghosts_left_out, edges: ends }))
 }
 
 impl Position {
@@ -202,6 +217,7 @@ impl Position {
             y_m: 0.0,
             seen: 0.0,
             cut: 0.0,
+            left_out: 0.0,
             why: None,
             warning: None,
             luminance: None,
@@ -229,6 +245,20 @@ fn black(position: &Position) -> String {
         1e3 * position.y_m,
         100.0 * position.seen
     )
+}
+
+/// What is said where not all is seen of a picture to which not all ways were followed.
+fn missed(position: &Position) -> Option<String> {
+    (position.seen < 1.0 && is_too_much(position.left_out)).then(|| {
+        format!(
+            "from x {:.2} mm, y {:.2} mm {:.0} % of the picture's points are seen, and more may be seen over ways that were not \
+             followed, there are so many: they have up to {:.1} % of the light that the picture has",
+            1e3 * position.x_m,
+            1e3 * position.y_m,
+            100.0 * position.seen,
+            100.0 * position.left_out
+        )
+    })
 }
 
 /// Of `count` positions over −½ … ½ the one with this number; one alone is in the middle.

@@ -4,6 +4,7 @@ use super::edges::{Edge, Edges, Extent};
 use super::ghosts::Ghost;
 use super::light::Level;
 use super::{Position, Scan};
+use eyebox_estimate::virtual_image::subject::{Kind, is_too_much};
 
 /// A column of the table of positions: name with unit, and value.
 type Column = (&'static str, fn(&Position) -> Option<f64>);
@@ -130,7 +131,14 @@ fn ghosts(scan: &Scan) -> Vec<String> {
     rows.sort_by(|a, b| most(&b.1, |g| g.most_ratio).total_cmp(&most(&a.1, |g| g.most_ratio)));
     let mut out = vec![match rows.len() {
         0 => "ghosts: none".to_owned(),
-        _ => format!("ghosts beside the image by {}:  luminance over its own, largest    arcmin, largest", scan.by),
+        _ => {
+            // What shines through a slide may be brighter towards one train than towards another.
+            let what = match scan.kind {
+                Kind::Slide => "light carried over its own",
+                Kind::Image | Kind::Object => "luminance over its own",
+            };
+            format!("ghosts beside the image by {}:  {what}, largest    arcmin, largest", scan.by)
+        }
     }];
     out.extend(rows.iter().map(|(by, all)| {
         let (ratio, arcmin) = (most(all, |g| g.most_ratio), most(all, |g| g.most_arcmin));
@@ -195,8 +203,28 @@ pub fn lines(scan: &Scan) -> Vec<String> {
     }
     out.extend(scan.edges.iter().flat_map(edges));
     out.extend(ghosts(scan));
+    out.extend(left_out(scan));
     out.extend(scan.positions.iter().filter_map(|p| Some(format!("warning: {}", p.warning.as_ref()?))));
     out
+}
+
+/// Light whose ways were not followed, where that is more than may be left out.
+fn left_out(scan: &Scan) -> Vec<String> {
+    let most = scan.positions.iter().map(|p| p.left_out).fold(0.0, f64::max);
+    let picture = is_too_much(most).then(|| {
+        format!(
+            "note: ways that were not followed, there are so many, have up to {:.1} % of the light that the picture has: points of it \
+             may be seen over them, too",
+            100.0 * most
+        )
+    });
+    let ghosts = (scan.ghosts_left_out > 0.0).then(|| {
+        format!(
+            "note: ways that were not followed, there are so many, have up to {:.1} % of a ray's light: there may be more ghosts",
+            100.0 * scan.ghosts_left_out
+        )
+    });
+    picture.into_iter().chain(ghosts).collect()
 }
 
 fn line(p: &Position) -> String {

@@ -11,6 +11,18 @@ pub(super) mod scan {
     pub const DEFAULT_PUPIL_M: f64 = 0.004;
 }
 
+/// `patch.rs`
+pub(super) mod patch {
+    /// Side of a patch, degrees, as `eyebox measure` has it.
+    pub const SIDE_DEG: f64 = 0.5;
+    /// And so many pixels at least, where the picture has room for it: its noise would be that of one or two.
+    pub const FEWEST_PIXELS: f64 = 3.0;
+    /// Pixels of the longer side of a film of which a picture aside fills a small part.
+    pub const MOST_PIXELS: usize = 1024;
+    /// But no more than this of the lesser side of what is seen: nine of them, at its sixths, do not hang over its rim.
+    pub const MOST_OF_SIDE: f64 = 0.95 / 3.0;
+}
+
 /// `ghosts.rs`
 pub(super) mod ghosts {
     /// A second image is followed where a ray from the eye carries this share over all of its train: a ten thousandth beside

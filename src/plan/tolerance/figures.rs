@@ -46,8 +46,9 @@ impl Nominal {
     pub fn new(scene: &Scene, points: [usize; 2], target: Option<&str>, ipd_m: f64) -> Result<Nominal> {
         let world = World::freeze(scene)?;
         let optics = Mono::<f64>::optics(&world, 0, 0);
-        let subject = Subject::find(scene, (&world, &optics), target, points)?.polarised((&world, &optics));
-        let ghosts = ghosts::trains(scene, (&world, &optics), &subject);
+        let subject = Subject::find(scene, (&world, &optics), target, points)?;
+        let subject = subject.polarised((&world, &optics)).stitched((&world, &optics));
+        let (ghosts, _) = ghosts::trains(scene, (&world, &optics), &subject);
         let by = ghosts::name(scene, &world, &subject);
         let part = &scene.parts[subject.part as usize];
         let figure = |name: &str, unit| Figure { name: name.to_owned(), unit };

@@ -40,6 +40,7 @@ fn scan() -> Scan {
         eyebox_m: [0.1, 0.0],
         ipd_m: 0.063,
         positions: vec![position(-0.05), position(0.05)],
+        ghosts_left_out: 0.0,
         edges: None,
     }
 }
