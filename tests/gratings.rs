@@ -145,7 +145,7 @@ long! {
 fn a_screen_lit_through_a_grating_or_a_reflective_polariser() {
     let orders = vec![order(1, 0.3, 0.1), order(0, 0.4, 0.1), order(-1, 0.1, 0.0)];
     let polariser = Finish::ReflectivePolariser {
-        axis: DVec3::new(0.6, 0.8, 0.0),
+        projected_axis: ProjectedAxis::Absorption, axis: DVec3::new(0.6, 0.8, 0.0),
         transmittance: 0.85,
         transmittance_leak: 0.02,
         reflectance: 0.9,

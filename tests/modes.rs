@@ -279,7 +279,7 @@ fn malus() {
         add_part(s, &format!("sheet at {z}"), wide, DVec3::new(0.0, 0.0, z), None, vec![face(finish)]);
     };
     let axis = |degrees: f64| DVec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0);
-    let polariser = |degrees: f64| Finish::Polariser { axis: axis(degrees), transmittance: 0.9, extinction: 0.01 };
+    let polariser = |degrees: f64| Finish::Polariser { axis: axis(degrees), projected_axis: ProjectedAxis::Absorption, transmittance: 0.9, extinction: 0.01 };
     for (one, two) in [(0.0, 0.0), (0.0, 30.0), (20.0, 65.0), (10.0, 100.0)] {
         let mut s = scene();
         s.eye.fov_deg = 0.5;
@@ -296,7 +296,7 @@ fn malus() {
     let mut s = scene();
     s.eye.fov_deg = 0.5;
     s.eye.resolution = [4, 4];
-    let crossed = |degrees: f64| Finish::Polariser { axis: axis(degrees), transmittance: 1.0, extinction: 0.0 };
+    let crossed = |degrees: f64| Finish::Polariser { axis: axis(degrees), projected_axis: ProjectedAxis::Absorption, transmittance: 1.0, extinction: 0.0 };
     sheet(&mut s, -0.2, crossed(0.0));
     sheet(&mut s, -0.25, Finish::Retarder { axis: axis(30.0), retardance_nm: 100.0 });
     sheet(&mut s, -0.3, crossed(90.0));

@@ -54,24 +54,29 @@ fn seen(s: &Scene, choice: Choice, polarisation: Polarisation, passes: u64) -> (
 
 const BACKWARD: Choice = Choice::Only(Estimator::Backward);
 
-/// Where light along −z that is polarised along x passes an axis at `alpha` in a sheet at 45° about x: what the sheet takes lies across the axis
-/// in it and is seen projected, and what passes is at right angles to that. Shares along and across.
-fn passed_at_45(alpha: f64) -> [f64; 2] {
+/// Where light along −z that is polarised along x passes an axis at `alpha` in a sheet at 45° about x. Absorption: what the sheet takes
+/// lies across the axis in it and is seen projected, and what passes is at right angles to that. Pass: the axis itself is seen projected.
+/// Shares along and across.
+fn passed_at_45(alpha: f64, projected_axis: ProjectedAxis) -> [f64; 2] {
     let (sin, cos) = alpha.to_radians().sin_cos();
-    let beta = sin.atan2(cos * 0.5f64.sqrt());
+    let beta = match projected_axis {
+        ProjectedAxis::Absorption => sin.atan2(cos * 0.5f64.sqrt()),
+        ProjectedAxis::Pass => (sin * 0.5f64.sqrt()).atan2(cos),
+    };
     [beta.cos().powi(2), beta.sin().powi(2)]
 }
 
-/// An absorbing film that is seen from the side: its absorption axis is what turns.
+/// An absorbing film that is seen from the side: the axis that is projected is what turns.
 #[test]
 fn a_tilted_polariser_parts_by_malus() {
-    for alpha in [0.0f64, 35.0, 90.0, 120.0] {
+    let all = [0.0f64, 35.0, 90.0, 120.0].map(|alpha| (alpha, ProjectedAxis::Absorption));
+    for (alpha, projected_axis) in all.into_iter().chain([35.0, 120.0].map(|alpha| (alpha, ProjectedAxis::Pass))) {
         let mut s = narrow();
         let (sin, cos) = alpha.to_radians().sin_cos();
         let axis = DVec3::new(cos, sin, 0.0);
-        sheet(&mut s, -0.3, -45.0, Finish::Polariser { axis, transmittance: 0.85, extinction: 0.02 });
+        sheet(&mut s, -0.3, -45.0, Finish::Polariser { axis, projected_axis, transmittance: 0.85, extinction: 0.02 });
         panel(&mut s, DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.6)), 0.05);
-        let [along, across] = passed_at_45(alpha);
+        let [along, across] = passed_at_45(alpha, projected_axis);
         let want = LUMINANCE * 0.85 * (along + 0.02 * across);
         let (got, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 64);
         println!("{alpha}°: {got} ± {sigma}, want {want}");
@@ -84,12 +89,15 @@ fn a_tilted_polariser_parts_by_malus() {
 #[test]
 fn a_reflective_polariser_parts_by_malus() {
     let (transmittance, transmittance_leak, reflectance, reflectance_leak) = (0.85, 0.02, 0.9, 0.05);
-    for (alpha, above) in [(0.0f64, true), (35.0, true), (35.0, false), (90.0, true), (120.0, false)] {
+    let all = [(0.0f64, true), (35.0, true), (35.0, false), (90.0, true), (120.0, false)];
+    let by_absorption = all.map(|(alpha, above)| (alpha, above, ProjectedAxis::Absorption));
+    let by_pass = [(35.0, true), (120.0, false)].map(|(alpha, above)| (alpha, above, ProjectedAxis::Pass));
+    for (alpha, above, projected_axis) in by_absorption.into_iter().chain(by_pass) {
         let mut s = narrow();
         let (sin, cos) = alpha.to_radians().sin_cos();
         let axis = DVec3::new(cos, sin, 0.0);
         let finish =
-            Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak };
+            Finish::ReflectivePolariser { axis, projected_axis, transmittance, transmittance_leak, reflectance, reflectance_leak };
         sheet(&mut s, -0.3, -45.0, finish);
         let place = if above {
             DAffine3::from_translation(DVec3::new(0.0, 0.3, -0.3)) * DAffine3::from_rotation_x(90f64.to_radians())
@@ -97,7 +105,7 @@ fn a_reflective_polariser_parts_by_malus() {
             DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.6))
         };
         panel(&mut s, place, 0.05);
-        let [along, across] = passed_at_45(alpha);
+        let [along, across] = passed_at_45(alpha, projected_axis);
         let want = if above {
             LUMINANCE * (reflectance_leak * along + reflectance * across)
         } else {
@@ -125,7 +133,7 @@ fn estimators_agree_about_a_reflective_polariser() {
     s.eye.pupil_diameter_m = 0.02;
     let axis = DVec3::new(40f64.to_radians().cos(), 40f64.to_radians().sin(), 0.0);
     let (transmittance, transmittance_leak, reflectance, reflectance_leak) = (0.85, 0.02, 0.9, 0.05);
-    let finish = Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak };
+    let finish = Finish::ReflectivePolariser { projected_axis: ProjectedAxis::Absorption, axis, transmittance, transmittance_leak, reflectance, reflectance_leak };
     // Lamp above, sheet, mirror below: through, back, and the mirrored light reflected to the eye; and the first reflection.
     sheet(&mut s, -0.3, -45.0, finish);
     let below =
@@ -269,7 +277,7 @@ fn the_folded_path_of_a_pancake_lens() {
         let axis = DVec3::new(cos, sin, 0.0);
         let (t, t_leak, r, r_leak) = (0.9, 0.01, 0.95, 0.02);
         let polariser = Finish::ReflectivePolariser {
-            axis,
+            projected_axis: ProjectedAxis::Absorption, axis,
             transmittance: t,
             transmittance_leak: t_leak,
             reflectance: r,
@@ -313,7 +321,7 @@ fn circular(s: &mut Scene, z: f64, waves: f64, right: bool, front: bool) {
     let retardance = Retardance::Waves(vec![[550.0, waves]]);
     s.wave_plates.push(WavePlate { retardance, indices: None });
     let plate = eyebox::base::ids::WavePlateId::from_index(s.wave_plates.len() - 1);
-    let finish = Finish::CircularPolariser { axis: DVec3::X, transmittance: 1.0, extinction: 0.0, right, front, plate };
+    let finish = Finish::CircularPolariser { axis: DVec3::X, projected_axis: ProjectedAxis::Absorption, transmittance: 1.0, extinction: 0.0, right, front, plate };
     sheet(s, z, 0.0, finish);
 }
 

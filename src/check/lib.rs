@@ -196,7 +196,7 @@ fn check_face(scene: &Scene, part: &eyebox_scene::Part, index: usize, face: &eye
                     .code(Code::ScatterGainsEnergy));
             }
         }
-        Finish::Polariser { axis, transmittance, extinction } => {
+        Finish::Polariser { axis, transmittance, extinction, .. } => {
             let shares = [transmittance, extinction].iter().all(|share| (0.0..=1.0).contains(share));
             if !shares || axis.try_normalize().is_none() {
                 let text = format!("a polariser about {axis} with T {transmittance} and extinction {extinction}");
@@ -230,7 +230,9 @@ fn check_face(scene: &Scene, part: &eyebox_scene::Part, index: usize, face: &eye
             }
             wave_plate(scene, axis, plate, at)?;
         }
-        Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak } => {
+        Finish::ReflectivePolariser {
+            axis, transmittance, transmittance_leak, reflectance, reflectance_leak, ..
+        } => {
             let shares = [transmittance, transmittance_leak, reflectance, reflectance_leak];
             if !shares.iter().all(|share| (0.0..=1.0).contains(share)) || axis.try_normalize().is_none() {
                 let text = format!("a reflective polariser about {axis} with shares {shares:?}");

@@ -137,7 +137,8 @@ impl<'w, M: Mode> Walker<'w, M> {
     pub(super) fn turn_at_splitter(&self, vertex: &Vertex, sheet: &ReflectivePolariser) -> SpecularEvent<M> {
         let dir = self.ray.dir;
         let to = self.world.geometry.part_to_world(vertex.hit.site.part).transform_vector3(sheet.axis);
-        let axis = M::Amount::axis_along(self.beam.axis(), dir, passed(to, dir, vertex.hit.normal));
+        let axis =
+            M::Amount::axis_along(self.beam.axis(), dir, passed((to, sheet.projected_axis), dir, vertex.hit.normal));
         let turning = sheet.turning();
         let mut error = 0f64;
         let parted = lanes::<M, Parted<M::Amount>>(|lane| {

@@ -316,8 +316,8 @@ impl Builder<'_> {
         let plate = WavePlateId::from_index(intern(&mut self.wave_plates, plate));
         match of {
             optics::PlateOf::Retarder { axis } => Finish::WavePlate { axis, plate },
-            optics::PlateOf::CircularPolariser { axis, transmittance, extinction, right, front } => {
-                Finish::CircularPolariser { axis, transmittance, extinction, right, front, plate }
+            optics::PlateOf::CircularPolariser { axis, projected_axis, transmittance, extinction, right, front } => {
+                Finish::CircularPolariser { axis, projected_axis, transmittance, extinction, right, front, plate }
             }
         }
     }

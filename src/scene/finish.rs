@@ -32,7 +32,7 @@ pub enum Finish {
     Measured { table: ScatterId },
     /// A thin sheet that lets linear polarisation along `axis` through with the share `transmittance` (0–1), the other
     /// with `transmittance · extinction`, and bends nothing. Where paths carry no polarisation: the mean of both.
-    Polariser { axis: DVec3, transmittance: f64, extinction: f64 },
+    Polariser { axis: DVec3, projected_axis: ProjectedAxis, transmittance: f64, extinction: f64 },
     /// A thin sheet that delays linear polarisation along `axis` by `retardance_nm` against the other one; loses nothing.
     Retarder { axis: DVec3, retardance_nm: f64 },
     /// Diffracts: the light of each order leaves where its phase along the face has changed by that of so many lines.
@@ -42,13 +42,22 @@ pub enum Finish {
     /// A polariser with its pass axis along `axis` on one side of a thin sheet (in `front`, or behind), a wave plate at 45°
     /// to it on the other: what the polariser has let through leaves the plate with this handedness (`right`: clockwise
     /// for those who look against the light), and from that side nothing but light of this handedness gets through.
-    CircularPolariser { axis: DVec3, transmittance: f64, extinction: f64, right: bool, front: bool, plate: WavePlateId },
+    CircularPolariser {
+        axis: DVec3,
+        projected_axis: ProjectedAxis,
+        transmittance: f64,
+        extinction: f64,
+        right: bool,
+        front: bool,
+        plate: WavePlateId,
+    },
     /// A thin sheet that parts linear polarisations and bends nothing: of the one along `axis` (the pass axis) it lets
     /// `transmittance` through and reflects `reflectance_leak`, of the other one it reflects `reflectance` specularly and
     /// lets `transmittance_leak` through. Shares 0–1, of each polarisation together at most 1; the rest is absorbed. Where
     /// paths carry no polarisation: the means of both.
     ReflectivePolariser {
         axis: DVec3,
+        projected_axis: ProjectedAxis,
         transmittance: f64,
         transmittance_leak: f64,
         reflectance: f64,
@@ -58,6 +67,18 @@ pub enum Finish {
     Surface { surface: SurfaceId },
     /// Takes everything.
     Absorber,
+}
+
+/// Which axis of a linear polariser light at an angle sees projected across itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProjectedAxis {
+    /// That of the molecules or wires, along which the field is taken away: what passes is at right angles to it and to the ray (iodine
+    /// films, wire grids).
+    #[default]
+    Absorption,
+    /// The pass axis: what passes vibrates along what is seen of it.
+    Pass,
 }
 
 impl Finish {

@@ -38,7 +38,7 @@ pub use coating::{Coating, CoatingLaw, CoatingTable, FilmLayer};
 pub use dispersion::{Dispersion, Formula, FormulaKind};
 pub use efficiency_table::{Efficiency, EfficiencyGrid, EfficiencyTable};
 pub use eye::{BinocularLimits, Eye};
-pub use finish::Finish;
+pub use finish::{Finish, ProjectedAxis};
 pub use grating::{Grating, Order, Orders};
 pub use laminate::FilmBase;
 pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, PolarisedLight, Sky, SpotCone};

@@ -3,7 +3,7 @@
 use super::fresnel::PowerSp;
 use super::stokes::Turning;
 use eyebox_base::complex::Complex;
-use eyebox_scene::WavePlate;
+use eyebox_scene::{ProjectedAxis, WavePlate};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -26,7 +26,7 @@ pub struct SheetFilm {
 
 #[derive(Debug, Clone)]
 enum FilmKind {
-    Polariser { along: f64, across: f64 },
+    Polariser { projected_axis: ProjectedAxis, along: f64, across: f64 },
     Retarder { retardance_nm: f64 },
     Plate(WavePlate),
 }
@@ -42,8 +42,9 @@ pub struct Incidence {
 }
 
 impl Sheet {
-    pub fn polariser(axis: DVec3, transmittance: f64, extinction: f64) -> Sheet {
-        Sheet { films: vec![SheetFilm::polariser(axis, transmittance, extinction)] }
+    /// `shares`: transmittance and extinction.
+    pub fn polariser(axis: DVec3, projected_axis: ProjectedAxis, shares: [f64; 2]) -> Sheet {
+        Sheet { films: vec![SheetFilm::polariser(axis, projected_axis, shares)] }
     }
 
     pub fn retarder(axis: DVec3, retardance_nm: f64) -> Sheet {
@@ -59,22 +60,22 @@ impl Sheet {
     /// A polariser on a wave plate whose slow axis lies at 45° to the pass axis. `right`: what has gone through both, the
     /// polariser first, turns clockwise for those who look against it; only such light gets through the other way.
     pub fn circular(
-        axis: DVec3,
-        [transmittance, extinction]: [f64; 2],
+        (axis, projected_axis): (DVec3, ProjectedAxis),
+        shares: [f64; 2],
         plate: WavePlate,
         right: bool,
         polariser_in_front: bool,
     ) -> Sheet {
         let turned = if right == polariser_in_front { 1.0 } else { -1.0 };
         let plate = SheetFilm { axis: axis.normalize_or_zero(), turned, kind: FilmKind::Plate(plate) };
-        let polariser = SheetFilm::polariser(axis, transmittance, extinction);
+        let polariser = SheetFilm::polariser(axis, projected_axis, shares);
         Sheet { films: if polariser_in_front { vec![polariser, plate] } else { vec![plate, polariser] } }
     }
 }
 
 impl SheetFilm {
-    fn polariser(axis: DVec3, transmittance: f64, extinction: f64) -> SheetFilm {
-        let kind = FilmKind::Polariser { along: transmittance, across: transmittance * extinction };
+    fn polariser(axis: DVec3, projected_axis: ProjectedAxis, [transmittance, extinction]: [f64; 2]) -> SheetFilm {
+        let kind = FilmKind::Polariser { projected_axis, along: transmittance, across: transmittance * extinction };
         SheetFilm { axis: axis.normalize_or_zero(), turned: 0.0, kind }
     }
 
@@ -85,7 +86,7 @@ impl SheetFilm {
     pub fn axis_for(&self, axis: DVec3, at: &Incidence) -> DVec3 {
         let own = self.in_plane(axis, at);
         let n_o = match &self.kind {
-            FilmKind::Polariser { .. } => return passed(own, at.dir, at.normal),
+            FilmKind::Polariser { projected_axis, .. } => return passed((own, *projected_axis), at.dir, at.normal),
             FilmKind::Plate(WavePlate { indices: Some([n_o, _]), .. }) => n_o,
             FilmKind::Retarder { .. } | FilmKind::Plate(WavePlate { indices: None, .. }) => return own,
         };
@@ -112,7 +113,7 @@ impl SheetFilm {
             (1.0, 1.0, Complex::new(cos, sin))
         };
         let (t_s, t_p, phase) = match &self.kind {
-            FilmKind::Polariser { along, across } => (*along, *across, Complex::ONE),
+            FilmKind::Polariser { along, across, .. } => (*along, *across, Complex::ONE),
             FilmKind::Retarder { retardance_nm } => delayed(retardance_nm / nm),
             FilmKind::Plate(plate) => {
                 let own = self.in_plane(axis, at);
@@ -127,11 +128,15 @@ impl SheetFilm {
     }
 }
 
-/// The direction of the field that a polariser with this pass axis lets through, for light that runs along `dir`. Its molecules or wires
-/// absorb or reflect the field along themselves, so it is their axis that is seen projected across the ray, and what passes is at right
-/// angles to that: k × a, a the axis in the face across the pass axis (an O-type polariser: C. Gu, P. Yeh, J. Opt. Soc. Am. A 10,
-/// 966, 1993).
-pub fn passed(axis: DVec3, dir: DVec3, normal: DVec3) -> DVec3 {
+/// The direction of the field that a polariser with this pass axis lets through, for light that runs along `dir`; not across the ray yet.
+/// Molecules or wires absorb or reflect the field along themselves, so it is their axis that is seen projected across the ray, and what
+/// passes is at right angles to that: k × a, a the axis in the face across the pass axis (an O-type polariser; one of E type has its pass
+/// axis projected: C. Gu, P. Yeh, J. Opt. Soc. Am. A 10, 966, 1993).
+pub fn passed((axis, projected): (DVec3, ProjectedAxis), dir: DVec3, normal: DVec3) -> DVec3 {
+    match projected {
+        ProjectedAxis::Absorption => {}
+        ProjectedAxis::Pass => return axis,
+    }
     let through = dir.cross(normal.cross(axis));
     match through.length_squared() > 0.0 {
         true => through * through.dot(axis).signum(),
@@ -152,6 +157,7 @@ impl Incidence {
 pub struct ReflectivePolariser {
     /// Unit, mesh units.
     pub axis: DVec3,
+    pub projected_axis: ProjectedAxis,
     /// Reflected and transmitted share of the polarisation along the axis, and of the other one.
     along: [f64; 2],
     across: [f64; 2],
@@ -159,8 +165,12 @@ pub struct ReflectivePolariser {
 
 impl ReflectivePolariser {
     /// `along` and `across` the axis: reflectance and transmittance.
-    pub fn new(axis: DVec3, along: [f64; 2], across: [f64; 2]) -> ReflectivePolariser {
-        ReflectivePolariser { axis: axis.normalize_or_zero(), along, across }
+    pub fn new(
+        (axis, projected_axis): (DVec3, ProjectedAxis),
+        along: [f64; 2],
+        across: [f64; 2],
+    ) -> ReflectivePolariser {
+        ReflectivePolariser { projected_axis, axis: axis.normalize_or_zero(), along, across }
     }
 
     /// What it does, with s along its axis; for what is reflected the axis is mirrored at the face, too. What is known are

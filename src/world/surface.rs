@@ -159,24 +159,31 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         (None, Finish::Absorber) => Surface::Absorber,
         (None, Finish::MirrorIdeal { reflectance }) => Surface::Mirror(Mirror::Ideal(reflectance)),
         (None, Finish::MirrorMetal { n, k }) => Surface::Mirror(Mirror::Metal(Complex { re: n, im: k })),
-        (None, Finish::Polariser { axis, transmittance, extinction }) => {
-            Surface::Sheet(Sheet::polariser(axis, transmittance, extinction))
+        (None, Finish::Polariser { axis, projected_axis, transmittance, extinction }) => {
+            Surface::Sheet(Sheet::polariser(axis, projected_axis, [transmittance, extinction]))
         }
         (None, Finish::Grating { grating }) => Surface::Grating(Box::new(Grating::new(scene.grating(grating)))),
         (None, Finish::WavePlate { axis, plate }) => {
             Surface::Sheet(Sheet::wave_plate(axis, scene.wave_plate(plate).clone()))
         }
-        (None, Finish::CircularPolariser { axis, transmittance, extinction, right, front, plate }) => {
+        (None, Finish::CircularPolariser { axis, projected_axis, transmittance, extinction, right, front, plate }) => {
             let plate = scene.wave_plate(plate).clone();
-            Surface::Sheet(Sheet::circular(axis, [transmittance, extinction], plate, right, front))
+            Surface::Sheet(Sheet::circular((axis, projected_axis), [transmittance, extinction], plate, right, front))
         }
         (None, Finish::Retarder { axis, retardance_nm }) => Surface::Sheet(Sheet::retarder(axis, retardance_nm)),
         (
             None,
-            Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak },
+            Finish::ReflectivePolariser {
+                axis,
+                projected_axis,
+                transmittance,
+                transmittance_leak,
+                reflectance,
+                reflectance_leak,
+            },
         ) => {
             let (along, across) = ([reflectance_leak, transmittance], [reflectance, transmittance_leak]);
-            Surface::Splitter(ReflectivePolariser::new(axis, along, across))
+            Surface::Splitter(ReflectivePolariser::new((axis, projected_axis), along, across))
         }
         (None, Finish::Polished) => {
             if part.medium.is_none() {

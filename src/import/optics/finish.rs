@@ -1,12 +1,12 @@
 //! `finish`: what a face does with light.
 
-use super::fields::union;
+use super::fields::{Fields, union};
 use super::grating::GratingSpec;
 use crate::value::Value;
 use eyebox_base::error::Result;
 use eyebox_base::{Code, Error, Where};
 use eyebox_scene::attribute::Noun;
-use eyebox_scene::{Finish, Note, Retardance, StandardSurface, WavePlate};
+use eyebox_scene::{Finish, Note, ProjectedAxis, Retardance, StandardSurface, WavePlate};
 use glam::DVec3;
 
 /// A finish, a file that it names still to be read.
@@ -36,8 +36,17 @@ pub enum FinishSpec {
 /// What a wave plate is part of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PlateOf {
-    Retarder { axis: DVec3 },
-    CircularPolariser { axis: DVec3, transmittance: f64, extinction: f64, right: bool, front: bool },
+    Retarder {
+        axis: DVec3,
+    },
+    CircularPolariser {
+        axis: DVec3,
+        projected_axis: ProjectedAxis,
+        transmittance: f64,
+        extinction: f64,
+        right: bool,
+        front: bool,
+    },
 }
 
 /// Faults: unknown kinds and parameters, shares out of range or together above 1.
@@ -85,6 +94,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
         },
         "polariser" => Finish::Polariser {
             axis: fields.need_direction("axis")?,
+            projected_axis: projected_axis(fields)?,
             transmittance: fields.number("transmittance")?.unwrap_or(1.0),
             extinction: fields.number_or("extinction", 0.0, notes)?,
         },
@@ -104,8 +114,15 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
                         .code(Code::ScatterGainsEnergy));
                 }
             }
-            let axis = fields.need_direction("axis")?;
-            Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak }
+            let (axis, projected_axis) = (fields.need_direction("axis")?, projected_axis(fields)?);
+            Finish::ReflectivePolariser {
+                axis,
+                projected_axis,
+                transmittance,
+                transmittance_leak,
+                reflectance,
+                reflectance_leak,
+            }
         }
         "retarder" => {
             let axis = fields.need_direction("axis")?;
@@ -121,6 +138,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
         "circular_polariser" => {
             let of = PlateOf::CircularPolariser {
                 axis: fields.need_direction("axis")?,
+                projected_axis: projected_axis(fields)?,
                 transmittance: fields.number("transmittance")?.unwrap_or(1.0),
                 extinction: fields.number_or("extinction", 0.0, notes)?,
                 right: super::wave_plate::word(fields, "handedness", ["left", "right"], None)?,
@@ -148,4 +166,10 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
         }
         name => return Err(super::fields::not_yet(&value.at, &format!("finish `{name}`"))),
     }))
+}
+
+/// The axis that light at an angle sees projected, that of absorption unless another one is said.
+fn projected_axis(fields: &Fields<'_>) -> Result<ProjectedAxis> {
+    let is_pass = super::wave_plate::word(fields, "projected_axis", ["absorption", "pass"], Some(false))?;
+    Ok(if is_pass { ProjectedAxis::Pass } else { ProjectedAxis::Absorption })
 }

@@ -4,7 +4,9 @@ use super::face::{EmitterReport, FaceReport, SlideReport};
 use super::look::LookReport;
 use super::parts::MediumReport;
 pub use eyebox_base::units::significant as number;
-use eyebox_scene::{Angular, Coating, CoatingLaw, EfficiencyGrid, Finish, Grating, Order, Orders, Shape, WavePlate};
+use eyebox_scene::{
+    Angular, Coating, CoatingLaw, EfficiencyGrid, Finish, Grating, Order, Orders, ProjectedAxis, Shape, WavePlate,
+};
 use glam::DVec3;
 
 /// Metres as mm.
@@ -119,30 +121,49 @@ fn finish(finish: Finish) -> String {
             format!("abg, A {a} B {b} g {g}, specular R {r}")
         }
         Finish::Measured { .. } => "measured scattering".to_owned(),
-        Finish::Polariser { axis, transmittance, extinction } => {
+        Finish::Polariser { axis, projected_axis, transmittance, extinction } => {
             let (along, other) = (number(transmittance, 4), number(transmittance * extinction, 3));
-            format!("polariser about {}, T {along} and {other}", direction(axis))
+            format!("polariser about {}, T {along} and {other}{}", direction(axis), projected(projected_axis))
         }
         Finish::Retarder { axis, retardance_nm } => {
             format!("retarder about {}, {} nm", direction(axis), number(retardance_nm, 5))
         }
         Finish::Grating { .. } => "grating".to_owned(),
         Finish::WavePlate { axis, .. } => format!("retarder about {}", direction(axis)),
-        Finish::CircularPolariser { axis, transmittance, extinction, right, front, .. } => {
+        Finish::CircularPolariser { axis, projected_axis, transmittance, extinction, right, front, .. } => {
             let (hand, side) = (if right { "right" } else { "left" }, if front { "front" } else { "back" });
             let (along, other) = (number(transmittance, 4), number(transmittance * extinction, 3));
             format!(
-                "{hand} circular polariser about {}, polariser at the {side}, T {along} and {other}",
-                direction(axis)
+                "{hand} circular polariser about {}, polariser at the {side}, T {along} and {other}{}",
+                direction(axis),
+                projected(projected_axis)
             )
         }
-        Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak } => {
+        Finish::ReflectivePolariser {
+            axis,
+            projected_axis,
+            transmittance,
+            transmittance_leak,
+            reflectance,
+            reflectance_leak,
+        } => {
             let [t, t_leak, r, r_leak] =
                 [transmittance, transmittance_leak, reflectance, reflectance_leak].map(|share| number(share, 4));
-            format!("reflective polariser about {}, along T {t} R {r_leak}, across T {t_leak} R {r}", direction(axis))
+            format!(
+                "reflective polariser about {}, along T {t} R {r_leak}, across T {t_leak} R {r}{}",
+                direction(axis),
+                projected(projected_axis)
+            )
         }
         Finish::Surface { surface } => format!("surface {}", surface.0),
         Finish::Absorber => "absorber".to_owned(),
+    }
+}
+
+fn projected(axis: ProjectedAxis) -> &'static str {
+    match axis {
+        ProjectedAxis::Absorption => "",
+        ProjectedAxis::Pass => ", pass axis projected",
     }
 }
 

@@ -1,6 +1,6 @@
 //! The picture's second images from one position, named by the parts that make them.
 
-use super::tuning::ghosts::{LEAST, MOST};
+use super::tuning::ghosts::{FAINT, LEAST, MOST};
 use crate::paths::Visits;
 use eyebox_estimate::virtual_image::ghosts::{self, GhostPoint, Trains, find, shows_the_same};
 use eyebox_estimate::virtual_image::subject::Subject;
@@ -51,7 +51,7 @@ pub fn name(scene: &Scene, world: &World, subject: &Subject) -> String {
 /// not followed though they carry enough.
 pub fn trains(scene: &Scene, tracing: (&World, &Optics<Mono>), main: &Subject) -> (Vec<Named>, f64) {
     let mut names: Vec<Named> = Vec::new();
-    let Trains { images, left_out } = find(tracing, main, LEAST);
+    let Trains { images, left_out } = find(tracing, main, LEAST * main.light.clamp(FAINT, 1.0));
     let other_images = images.into_iter().filter(|other| !shows_the_same(main, other));
     for subject in other_images.take(MOST) {
         let by = name(scene, tracing.0, &subject);

@@ -25,9 +25,12 @@ pub(super) mod patch {
 
 /// `ghosts.rs`
 pub(super) mod ghosts {
-    /// A second image is followed where a ray from the eye carries this share over all of its train: a ten thousandth beside
-    /// a white main image is below what a display's own black (1:1000 to 1:5000) shows.
+    /// A second image is followed where a ray from the eye carries this share of the main image's light over all of its train: a ten
+    /// thousandth is below what a display's own black (1:1000 to 1:5000) shows.
     pub const LEAST: f64 = 1e-4;
+    /// A main image that carries less of a ray is taken for one that carries this: the ways of a light guide, which has a thousandth,
+    /// would have no end.
+    pub const FAINT: f64 = 1.0 / 16.0;
     /// Second images that are looked at, those with most light.
     pub const MOST: usize = 24;
 }
