@@ -37,7 +37,7 @@ Examples:
   eyebox bench --stress
   eyebox bench --stress --only critical --only gap
   eyebox bench --stress --format json
-  eyebox bench --stress --format markdown > docs/stress.md")]
+  eyebox bench --stress --format markdown > benches/stress.md")]
 pub struct BenchArgs {
     #[command(flatten)]
     curve: CurveArgs,
