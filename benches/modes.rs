@@ -2,7 +2,7 @@
 //! direct HUD in colour, one thread, measured in turn. Run with `cargo bench --ignore-rust-version --bench modes`.
 //!
 //! `cargo bench … --bench modes -- count MODE ESTIMATOR` traces once and prints nothing else, for a program that counts
-//! instructions (`valgrind --tool=callgrind`); docs/colour.md has the figures.
+//! instructions (`valgrind --tool=callgrind`); benches/modes.md has the figures.
 
 use eyebox::check::check;
 use eyebox::estimate::run::{Limits, run};

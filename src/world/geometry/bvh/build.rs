@@ -9,7 +9,7 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 /// So many boxes at most, the parts of the sample HUDs among them. Of more our own splits make trees that are traced faster, and
-/// sooner (`docs/dependencies.md` has the figures); and sets that nest are joined one pair at a time, in squares of their number.
+/// sooner (`benches/trees.md` has the figures); and sets that nest are joined one pair at a time, in squares of their number.
 pub const MOST: usize = 1 << 12;
 /// Share of the subtrees that are put elsewhere in the first round. From 0.15 to 0.5 rays through the sample HUDs are as fast
 /// within 3 %, beyond it nothing is gained.
