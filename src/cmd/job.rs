@@ -53,7 +53,7 @@ pub struct JobArgs {
     /// Whether polarisation is traced, as for `render`.
     #[arg(long, value_name = "WHEN")]
     polarisation: Option<String>,
-    /// Aim paths at nothing, as for `render`.
+    /// Start and aim paths without what pilots learned, as for `render`.
     #[arg(long)]
     unguided: bool,
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE.

@@ -39,7 +39,7 @@ pub struct PlanArgs {
     /// Trace the polarisation of light.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     polarisation: PolarisationArg,
-    /// Aim paths at nothing, to compare with: no guided emission, no guided aperture, no guided sky.
+    /// Start and aim paths without what pilots learned of where the light is, as for `render`.
     #[arg(long)]
     unguided: bool,
     /// Width and height in pixels, instead of the eye's.
@@ -92,13 +92,16 @@ fn text(scene: &Scene, frozen: &PlanFile, forecast: &Forecast) -> String {
         let seeds = connection.seeds.len();
         let (share, faces) = (100.0 * connection.share, connection.train.0.len());
         let group = &scene.group(connection.group).name;
-        lines.push(format!("connection: {group}, {faces} faces, {share:.3} % of its vision light, {seeds} seeds"));
+        lines.push(format!("connection: {group} to the eye over {faces} faces, {share:.3} % of its light there, {seeds} starting points"));
     }
     for screen in &plan.screens {
         let (share, faces) = (100.0 * screen.share, screen.train.0.len());
         let path = scene.parts.get(screen.part as usize).map_or("?", |part| part.path.as_str());
         let group = &scene.group(screen.group).name;
-        lines.push(format!("connection: {group} to {path} face {}, {faces} faces, {share:.3} % of it", screen.face));
+        lines.push(format!(
+            "connection: {group} to {path} face {} over {faces} faces, {share:.3} % of its light there",
+            screen.face
+        ));
     }
     lines.push(forecast.line());
     lines.push(format!("plan {}", frozen.hash));

@@ -65,7 +65,8 @@ pub struct RenderArgs {
     /// polarisations at each face, which is wrong after the first oblique one).
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     pub polarisation: PolarisationArg,
-    /// Aim paths at nothing, to compare with: no guided emission, no guided aperture, no guided sky.
+    /// Start and aim paths without what pilots learned of where the light is. The picture has the same mean and more noise:
+    /// for comparisons.
     #[arg(long)]
     pub unguided: bool,
     /// Linear colour space of the picture: Rec.709 with D65, ACEScg (AP1), or CIE XYZ with D65.
@@ -74,8 +75,8 @@ pub struct RenderArgs {
     /// Render by this plan (`eyebox plan -o`) instead of making one.
     #[arg(long, value_name = "PLAN.json")]
     pub plan: Option<PathBuf>,
-    /// Let no witness look beside the run: naive paths that take up to 5 % of the work and tell whether the picture has the
-    /// light that they find.
+    /// Do not check the picture while it is traced. Without this option simple paths, with up to 5 % of the work, look for
+    /// light that the picture lacks, and a warning says what is missing.
     #[arg(long)]
     pub no_witness: bool,
     /// Seed of the random numbers: the same seed gives the same bits for any number of threads.

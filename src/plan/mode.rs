@@ -189,7 +189,9 @@ fn polarised(checked: &Checked, world: &World, asked: Polarisation, stop: &Shoul
             let path = &scene.parts[part as usize].path;
             (true, format!("in a pilot it changed the light at {path} by up to {:.2} %", 100.0 * most))
         }
-        Some(_) | None => (false, format!("in a pilot it changed the light at no face by more than {:.0e}", most)),
+        Some(_) | None => {
+            (false, format!("in a pilot it changed the light at no face by more than {:.2} %", 100.0 * most))
+        }
     }
 }
 

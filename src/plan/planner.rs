@@ -198,9 +198,8 @@ impl Planner<'_> {
             None => plan.sky_guide = sky_guide::learn(self, plan),
         }
         if plan.sky_guide.is_some() {
-            plan.notes.push(
-                "backward looks for the sky through the windows that a pilot saw its light come in by".to_owned(),
-            );
+            plan.notes
+                .push("backward aims at the windows through which a pilot saw the sky's light come in".to_owned());
         }
     }
 
@@ -217,7 +216,7 @@ impl Planner<'_> {
             }
             if !plan.glints.is_empty() {
                 plan.notes.push(format!(
-                    "backward looks closer at {} places of the picture where a pilot saw small images of lamps",
+                    "backward sends more rays to {} places of the picture where a pilot saw small images of lamps",
                     plan.glints.len()
                 ));
             }
@@ -226,7 +225,9 @@ impl Planner<'_> {
             plan.doubts.of_caustics = 0.0;
         }
         if plan.pupil_guide.is_some() {
-            plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
+            plan.notes.push(
+                "backward looks for lamps through the parts of the pupil that they light in a pilot run".to_owned(),
+            );
         }
         if self.asked.choice == Choice::Auto
             && plan.owns(Estimator::Backward)
@@ -242,7 +243,7 @@ impl Planner<'_> {
                 plan.backward_share = SELDOM;
                 plan.doubts.glances = looks;
                 plan.notes.push(format!(
-                    "backward looks at 1 pixel in {:.0} a pass: {looks} paths of a pilot found no light of its own",
+                    "backward traces 1 pixel in {:.0} per pass: {looks} pilot paths found none of the light that it has to find",
                     1.0 / SELDOM
                 ));
                 return;
@@ -251,7 +252,7 @@ impl Planner<'_> {
         // Where backward looks at few pixels for anything, that has been said.
         if plan.vision_share < 1.0 {
             plan.notes.push(format!(
-                "backward looks at 1 pixel in {:.0} a pass for lamps over specular faces: pilots found no way to them",
+                "backward looks for lamps over specular faces in 1 pixel in {:.0} per pass: pilots found no way to them",
                 1.0 / plan.vision_share
             ));
         }
@@ -281,13 +282,13 @@ impl Planner<'_> {
     pub(super) fn remarks(&self, plan: &mut Plan) {
         if plan.rows.iter().any(|row| row.class == Class::Vision && is_connected(row)) {
             plan.notes.push(format!(
-                "backward looks at 1 pixel in {:.0} a pass for lamps over trains that connection does not know",
+                "backward looks for lamps over chains that connection does not know in 1 pixel in {:.0} per pass",
                 1.0 / plan.unknown_share
             ));
         }
         for (group, count) in self.ray_files() {
             plan.notes.push(format!(
-                "group {}: {count} rays of files: what shows of them is made of no more points than rays get there, and the stated error counts from the files on",
+                "group {}: {count} rays of files: a picture of these lamps has no more points than rays arrive, and the stated error takes the files as exact",
                 self.checked.scene().group(group).name
             ));
         }
@@ -295,15 +296,17 @@ impl Planner<'_> {
         let sightless: BTreeSet<GroupId> = sightless.map(|light| light.group()).collect();
         plan.notes.extend(sightless.into_iter().map(|group| {
             format!(
-                "group {}: a point and parallel light have no luminance, so no pixel shows them, nor their glints; what they light is there",
+                "group {}: points and parallel light have no luminance: the picture shows what they light, not themselves or their reflections",
                 self.checked.scene().group(group).name
             )
         }));
         if plan.photons_part {
-            plan.notes.push("photons go both ways on from interfaces: connection leaves them little light".to_owned());
+            plan.notes.push("photons follow both reflection and transmission at interfaces: connection leaves them only faint light".to_owned());
         }
         let idle: Vec<Estimator> = Estimator::ALL.into_iter().filter(|estimator| !plan.runs(*estimator)).collect();
-        plan.notes.extend(idle.iter().map(|estimator| format!("{} does not run: it owns no paths", estimator.name())));
+        plan.notes.extend(
+            idle.iter().map(|estimator| format!("{} does not run: the plan gives it no light", estimator.name())),
+        );
         if self.checked.facts().no_light {
             plan.notes.push("nothing emits: the picture is black".to_owned());
         } else if idle.len() == Estimator::ALL.len() {
@@ -332,11 +335,11 @@ fn leave_unconnected(plan: &mut Plan, class: Class, arrived: Option<&[u64]>) {
             Estimator::Forward if few => own(
                 Estimator::Backward,
                 format!(
-                    "a pilot found no train of specular faces from {between} that could be connected, and few paths from the lamps find the pupil"
+                    "a pilot found no chain of specular faces from {between} that could be connected, and few paths from the lamps find the pupil"
                 ),
             ),
             Estimator::Forward | Estimator::Backward | Estimator::Photon | Estimator::Manifold => {
-                own(rest, format!("a pilot found no train of specular faces from {between} that could be connected"))
+                own(rest, format!("a pilot found no chain of specular faces from {between} that could be connected"))
             }
         };
     }
@@ -353,7 +356,7 @@ fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> Vec<Grou
         );
         if forward && groups.contains(&row.group) {
             row.verdict =
-                own(Estimator::Backward, format!("none of {traced} paths of a pilot from the lamps found the pupil"));
+                own(Estimator::Backward, format!("none of {traced} pilot paths from the lamps reached the pupil"));
             given_up.push(row.group);
         }
     }

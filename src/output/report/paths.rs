@@ -76,7 +76,7 @@ fn of_shares(shares: &Shares<'_>) -> PathTable {
     rows.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     PathTable {
         rows: rows.into_iter().map(|(_, row)| row).collect(),
-        note: "The header has no path table; these are the shares of the light groups, by their mean luminance.",
+        note: "This frame was rendered without --chain, so it has no list of light paths. These are the shares of the light groups, by their mean luminance.",
         unit: "mean, cd/m²",
     }
 }

@@ -28,7 +28,7 @@ impl Branches {
     pub(crate) fn note(&self) -> Option<String> {
         (self.faintest < 1.0).then(|| {
             format!(
-                "backward follows branches with 1/{:.0} of a path's light: a pilot found variance × work {:.3} times less",
+                "backward follows branches down to 1/{:.0} of a path's light: in a pilot run that cost {:.3} times less (variance × work)",
                 1.0 / self.faintest,
                 self.gain
             )

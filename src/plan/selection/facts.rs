@@ -161,12 +161,14 @@ pub(crate) fn auto(checked: &Checked, world: &World, group: GroupId, class: Clas
             if ratio <= 64.0 {
                 connect(
                     Estimator::Forward,
-                    format!("the lamps' etendue is {ratio:.3} of the eye's: each of their points has few ways to it"),
+                    format!(
+                        "the lamps have {ratio:.3} times the eye's étendue: few rays lead from each of their points to the pupil"
+                    ),
                 )
             } else {
                 own(
                     Estimator::Backward,
-                    format!("the lamps' etendue is {ratio:.3e} of the eye's: rays from the eye find the lamps"),
+                    format!("the lamps have {ratio:.3e} times the eye's étendue: rays from the eye hit them often"),
                 )
             }
         }

@@ -84,11 +84,11 @@ pub(super) fn settle(making: &Planner<'_>, base: Plan, handicap: &Handicap) -> P
         let wins = wins && (sure || !unsure);
         let [of_own, of_other] = [&best, &plan].map(|plan| names(plan, question));
         let found = match misses {
-            None if ratio.is_nan() => format!("a pilot found no noise in {of_other} nor in {of_own}"),
-            None => format!("a pilot found {ratio:.2e} times the variance × work for {of_other} as for {of_own}"),
+            None if ratio.is_nan() => format!("in a pilot run neither {of_other} nor {of_own} had any noise"),
+            None => format!("in a pilot run {of_other} cost {ratio:.2e} times as much as {of_own} (variance × work)"),
             Some(Misses { rival, found }) => {
                 let (blind, sees) = if rival { (of_other, of_own) } else { (of_own, of_other) };
-                format!("in a pilot {blind} found {:.1} % of the light that {sees} found", 100.0 * found)
+                format!("in a pilot run {blind} found only {:.1} % of the light that {sees} found", 100.0 * found)
             }
         };
         if wins {
