@@ -230,35 +230,94 @@ fn links(text: &str) -> Vec<&str> {
 
 /// What stands in backticks and looks like a path of this repository.
 fn paths(text: &str) -> Vec<&str> {
-    const TOP: [&str; 6] = ["src/", "tests/", "docs/", "samples/", ".ci/", ".cargo/"];
+    const TOP: [&str; 7] = ["src/", "tests/", "docs/", "benches/", "samples/", ".ci/", ".cargo/"];
     let quoted = text.split('`').skip(1).step_by(2);
     quoted.filter(|code| TOP.iter().any(|top| code.starts_with(top)) && !code.contains(['<', '*', ' '])).collect()
 }
 
+/// The Markdown files of a folder.
+fn pages_of(folder: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join(folder)).expect("the folder is readable");
+    let files = entries.map(|entry| entry.expect("the folder is readable").path());
+    files.filter(|file| file.extension().is_some_and(|extension| extension == "md")).collect()
+}
+
+/// The anchor that GitHub and mdBook give to a heading.
+fn anchor(heading: &str) -> String {
+    let kept = heading.trim().to_lowercase();
+    let kept = kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+/// The anchors of all headings of a Markdown text.
+fn anchors(text: &str) -> BTreeSet<String> {
+    text.lines().filter(|line| line.starts_with('#')).map(|line| anchor(line.trim_start_matches('#'))).collect()
+}
+
 #[test]
 fn links_and_paths_lead_somewhere() {
-    let mut pages = vec![root().join("README.md")];
-    let folder = fs::read_dir(root().join("docs")).expect("docs is readable");
-    pages.extend(
-        folder
-            .map(|entry| entry.expect("docs is readable").path())
-            .filter(|p| p.extension().is_some_and(|e| e == "md")),
-    );
+    let mut pages = vec![root().join("README.md"), root().join("CONTRIBUTING.md")];
+    pages.extend(pages_of("docs"));
+    pages.extend(pages_of("benches"));
     assert!(pages.len() >= 4, "the documentation moved");
     let mut dead = Vec::new();
     for page in &pages {
         let text = fs::read_to_string(page).expect("readable");
         let beside = page.parent().unwrap_or(Path::new("."));
-        let local = links(&text).into_iter().filter(|link| !link.contains("://") && !link.starts_with('#'));
-        let local = local.map(|link| beside.join(link.split('#').next().unwrap_or(link)));
-        let wanted = local.chain(paths(&text).into_iter().map(|path| root().join(path)));
-        dead.extend(wanted.filter(|path| !path.exists()).map(|path| format!("{}: {}", page.display(), path.display())));
+        for link in links(&text).into_iter().filter(|link| !link.contains("://")) {
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let path = if file.is_empty() { page.clone() } else { beside.join(file) };
+            let headings = || anchors(&fs::read_to_string(&path).unwrap_or_default());
+            if !path.exists() || !(heading.is_empty() || headings().contains(heading)) {
+                dead.push(format!("{}: {link}", page.display()));
+            }
+        }
+        let named = paths(&text).into_iter().filter(|path| !root().join(path).exists());
+        dead.extend(named.map(|path| format!("{}: {path}", page.display())));
     }
     assert!(dead.is_empty(), "dead links or paths:\n{}", dead.join("\n"));
+}
+
+/// The site has no page that is not in its table of contents, `docs/SUMMARY.md`; those of the rules stand below `validate.md`.
+#[test]
+fn every_page_is_in_the_site() {
+    const ABOVE: &str = "- [Checking assets](validate.md)\n";
+    let mut of_rules = String::new();
+    for rule in rules::all() {
+        let page = page::page(rule);
+        let heading = page.lines().next().unwrap_or_default().trim_start_matches("# ");
+        of_rules += &format!("  - [{heading}](rules/{}.md)\n", rule.code);
+    }
+    let stored = read("docs/SUMMARY.md");
+    let others: String = stored.split_inclusive('\n').filter(|line| !line.starts_with("  - [EB")).collect();
+    let (before, after) = others.split_once(ABOVE).expect("the line of validate.md");
+    let fresh = format!("{before}{ABOVE}{of_rules}{after}");
+    if blessing() {
+        fs::write(root().join("docs/SUMMARY.md"), &fresh).expect("docs can be written");
+    }
+    assert!(
+        stored == fresh || blessing(),
+        "docs/SUMMARY.md is stale; EYEBOX_BLESS=1 cargo verify --test all docs rewrites it"
+    );
+    let names = pages_of("docs").into_iter().filter_map(|page| Some(page.file_name()?.to_string_lossy().into_owned()));
+    let missing: Vec<String> =
+        names.filter(|name| name != "SUMMARY.md" && !fresh.contains(&format!("]({name})"))).collect();
+    assert!(missing.is_empty(), "not in docs/SUMMARY.md: {missing:?}");
+}
+
+/// A page is for one task. The reference of all attributes is generated, and as long as it has to be.
+#[test]
+fn pages_are_short() {
+    let long = |page: &PathBuf| fs::read_to_string(page).expect("readable").lines().count() > 200;
+    let long: Vec<PathBuf> =
+        pages_of("docs").into_iter().filter(|page| !page.ends_with("attributes.md") && long(page)).collect();
+    assert!(long.is_empty(), "more than 200 lines: {long:?}");
 }
 
 #[test]
 fn the_link_test_finds_links_and_paths() {
     assert_eq!(links("see [a](b.md) and ![c](d/e.png)"), ["b.md", "d/e.png"]);
+    assert_eq!(anchor(" Find a level: `--solve`"), "find-a-level---solve");
+    assert_eq!(anchor(" Caustics: `E S* D S+ L`"), "caustics-e-s-d-s-l");
     assert_eq!(paths("`src/x.rs` and `cargo verify`, `tests/<name>.rs`, `docs/a.md`"), ["src/x.rs", "docs/a.md"]);
 }

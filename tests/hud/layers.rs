@@ -36,7 +36,7 @@ fn another_contrast_is_open_and_content_recombined() {
         let v = 1.0f64 / 50.0;
         let mut worst = 0.0f64;
         for pixel in 0..want.len() {
-            // Light that crosses the slide more than once: u·v·(q₀ + q₁u + q₂u²), see docs/layers.md.
+            // Light that crosses the slide more than once: u·v·(q₀ + q₁u + q₂u²), see docs/contrast.md.
             let u = 1.0 - v;
             let crossed: f64 =
                 (0..3).map(|k| crossings[k].map_or(0.0, |q| f64::from(q[pixel]) * u.powi(k as i32))).sum();
