@@ -73,9 +73,9 @@ struct Cli {
 enum Command {
     /// Trace an assembly into a layered EXR.
     Render(render_args::RenderArgs),
-    /// Show an assembly as a tree, with all that was noted on the way in.
+    /// Show an assembly as a tree, with lamps, eye, and all notes from reading it.
     Inspect(inspect::InspectArgs),
-    /// Decide who computes what, and why, without rendering.
+    /// Say which estimator traces which light, and why, without rendering.
     Plan(plan::PlanArgs),
     /// List the ways of light from the lamps to the eye: main image, ghosts, stray light.
     Paths(paths::PathsArgs),
@@ -91,7 +91,7 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Change lamp levels, contrast and background of a rendered frame.
     Mix(mix::MixArgs),
-    /// Add up the shards of a rendering, to the bits of the whole.
+    /// Add up the shards of a rendering: the result has the bits of a run on one machine.
     Merge(merge::MergeArgs),
     /// Write a job template that a farm runs in shards.
     Job(job::JobArgs),

@@ -17,7 +17,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Decide who computes what, and why, without rendering.
+/// Say which estimator traces which light, and why, without rendering.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 The plan is a function of the scene, the resolution and the request: no clock and no thread count is in it. With -o it is \

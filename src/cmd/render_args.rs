@@ -54,8 +54,8 @@ pub struct RenderArgs {
     /// Stop at this relative error, e.g. 0.01; with another limit given too, exit 1 if it was not met.
     #[arg(long, value_name = "REL", value_parser = parse_error)]
     pub error: Option<f64>,
-    /// Without --samples, passes go to the pixels and the estimators where the error is (layer `work` shows where they
-    /// went), or all pixels get as many.
+    /// Without --samples: give passes to the pixels and estimators that have most of the error (the layer `work` shows
+    /// where they went), or give all pixels the same number.
     #[arg(long, value_enum, value_name = "WHETHER", default_value_t)]
     pub adaptive: AdaptiveArg,
     /// Which way of tracing light to use.
