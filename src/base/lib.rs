@@ -16,6 +16,7 @@ pub mod lpe; // light path expressions
 pub mod memory; // what the allocator keeps
 pub mod murmur3; // the hash of names in Cryptomatte
 pub mod package;
+pub mod parallel; // loops over all cores
 pub mod path;
 pub mod relative_path;
 pub mod rng;

@@ -20,10 +20,11 @@ use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use super::window_visibility::Scattered;
 use crate::manifold::seeds::bands::Bands;
 use eyebox_base::lpe::Source;
+use eyebox_base::parallel;
 use eyebox_base::path::Class;
 use eyebox_base::rng::Stream;
 use eyebox_base::warp::Frame;
-use eyebox_film::accumulate::{Film, Light};
+use eyebox_film::accumulate::{Film, Light, Row};
 use eyebox_film::unseen::{Doubts, Unseen};
 use eyebox_world::World;
 use eyebox_world::geometry::Ray;
@@ -39,7 +40,6 @@ pub use glow::Glow;
 use next_event::Here;
 use over_sky::OverSky;
 pub use probe::Daylight;
-use rayon::prelude::*;
 use sky_sampling::SkySampling;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -154,7 +154,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         let [width, height] = self.world.eye.size();
         let pixels = (width * height) as u64;
         let optics = M::optics(self.world, self.seed, 0);
-        (0..count).into_par_iter().any(|k| {
+        parallel::any(count, &|k| {
             let mut ledgers = [Ledger::new(self.world.solids.len()), Ledger::new(self.world.solids.len())];
             let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
             let pixel = (k.wrapping_mul(pixels) / count.max(1)) as usize;
@@ -207,42 +207,40 @@ impl<'w, M: Mode> Backward<'w, M> {
             let optics: Vec<(u64, Turns<M>)> =
                 passes.map(|pass| (pass, turns_of(self.world, self.turns, self.seed, pass))).collect();
             let mut rows: Vec<_> = film.rows().collect();
-            let ledgers: Vec<Ledger> = rows
-                .par_iter_mut()
-                .map(|(y, row)| {
-                    let mut total = Ledger::new(parts);
-                    let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
-                    for (pass, turns) in &optics {
-                        let mut ledgers = [Ledger::new(parts), Ledger::new(parts)];
-                        for x in 0..width {
-                            light.fill(Light::default());
-                            if row.wants(x, *pass) && self.world.eye.wants([x, *y]) {
-                                for (number, optics) in turns {
-                                    let pixel = Pixel::new((x, *y), width, *number);
-                                    if self.looks(pixel) {
-                                        self.pixel(optics, pixel, &mut light, &mut ledgers);
-                                    }
+            let of_row = |(y, row): &mut (usize, Row<'_>)| {
+                let mut total = Ledger::new(parts);
+                let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+                for (pass, turns) in &optics {
+                    let mut ledgers = [Ledger::new(parts), Ledger::new(parts)];
+                    for x in 0..width {
+                        light.fill(Light::default());
+                        if row.wants(x, *pass) && self.world.eye.wants([x, *y]) {
+                            for (number, optics) in turns {
+                                let pixel = Pixel::new((x, *y), width, *number);
+                                if self.looks(pixel) {
+                                    self.pixel(optics, pixel, &mut light, &mut ledgers);
                                 }
                             }
-                            // A pixel without light adds nothing but zeros; where few are looked at, that is most of them.
-                            if light.iter().all(|light| *light == Light::default()) {
-                                continue;
-                            }
-                            let looks = self.share * self.turns as f64;
-                            if looks != 1.0 {
-                                light.iter_mut().for_each(|light| *light = light.scaled(1.0 / looks));
-                            }
-                            ledgers[0].work += cost::KEPT;
-                            row.add_pass(x, *pass, &light);
                         }
-                        let [mut ledger, scratch] = ledgers;
-                        ledger.work += scratch.work;
-                        row.add_work(*pass, ledger.work);
-                        total.merge(&ledger);
+                        // A pixel without light adds nothing but zeros; where few are looked at, that is most of them.
+                        if light.iter().all(|light| *light == Light::default()) {
+                            continue;
+                        }
+                        let looks = self.share * self.turns as f64;
+                        if looks != 1.0 {
+                            light.iter_mut().for_each(|light| *light = light.scaled(1.0 / looks));
+                        }
+                        ledgers[0].work += cost::KEPT;
+                        row.add_pass(x, *pass, &light);
                     }
-                    total
-                })
-                .collect();
+                    let [mut ledger, scratch] = ledgers;
+                    ledger.work += scratch.work;
+                    row.add_work(*pass, ledger.work);
+                    total.merge(&ledger);
+                }
+                total
+            };
+            let ledgers: Vec<Ledger> = parallel::map_mut(&mut rows, &of_row);
             ledgers.iter().for_each(|ledger| total.merge(ledger));
         }
         film.close(first, count);

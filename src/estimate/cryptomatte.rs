@@ -2,6 +2,7 @@
 
 use super::data::{End, go_straight, place};
 use super::ledger::Ledger;
+use eyebox_base::parallel;
 use eyebox_film::cryptomatte::{self, Matte, MatteBy, NOTHING, POINTS, Ranked, identity, rank};
 use eyebox_film::frame::Frame;
 use eyebox_scene::Scene;
@@ -9,7 +10,6 @@ use eyebox_world::World;
 use eyebox_world::geometry::Site;
 use eyebox_world::mode::{Mode, Mono};
 use eyebox_world::role::{Role, roles};
-use rayon::prelude::*;
 
 /// The mattes to make: `all`, or those among the names of layers.
 pub fn wanted<'n>(all: bool, layers: impl Iterator<Item = &'n String>) -> Vec<Matte> {
@@ -84,8 +84,7 @@ pub fn add(frame: &mut Frame, scene: &Scene, world: &World, mattes: &[Matte]) {
         let ranked = |matte: &Matte| rank(looks.map(|look| identities.of(*matte, look[usize::from(matte.is_seen())])));
         mattes.iter().map(ranked).collect()
     };
-    let pixels: Vec<Vec<Ranked>> =
-        (0..width * height).into_par_iter().map_init(|| Ledger::new(world.solids.len()), pixel).collect();
+    let pixels: Vec<Vec<Ranked>> = parallel::map_init(width * height, &|| Ledger::new(world.solids.len()), &pixel);
     let parts: Vec<&str> = scene.parts.iter().map(|part| part.path.as_str()).collect();
     let roles = Role::ALL.map(Role::name);
     let mut materials: Vec<&str> =

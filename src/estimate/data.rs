@@ -7,6 +7,7 @@ use super::ledger::Ledger;
 pub use super::tuning::data::FAR_M;
 use super::tuning::data::{ALIKE, BAND, FEW, MOSTLY, SIDE};
 use super::walk::{Met, Travel, Vertex, Walker};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::warp::Frame;
 use eyebox_world::World;
@@ -18,7 +19,6 @@ use eyebox_world::optics::Optics;
 use eyebox_world::scatter::Principled;
 use eyebox_world::surface::Surface;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// What a ray hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,7 +149,7 @@ pub fn data_layers(world: &World, width: usize, height: usize) -> Data {
     for band in (0..height).step_by(BAND) {
         let first = band * width;
         let pixels = first..(band + BAND).min(height) * width;
-        let data: Vec<PixelData> = pixels.into_par_iter().map_init(ledger, middle).collect();
+        let data: Vec<PixelData> = parallel::map_init(pixels.len(), &ledger, &|ledger, k| middle(ledger, first + k));
         for (index, here) in data.iter().enumerate() {
             let pixel = first + index;
             let left = (!pixel.is_multiple_of(width)).then(|| (pixel - 1, &data[index - 1]));
@@ -165,13 +165,13 @@ pub fn data_layers(world: &World, width: usize, height: usize) -> Data {
     }
     // There the middle is looked at again: few pixels are.
     let near = edges.near();
-    all.seethrough.par_iter_mut().enumerate().filter(|(pixel, _)| near[*pixel]).for_each_init(
-        ledger,
-        |ledger, (pixel, seethrough)| {
-            let data = middle(ledger, pixel);
-            *seethrough = share(&data, |i| at(ledger, pixel, place(i))) as f32;
-        },
-    );
+    let near: Vec<usize> = (0..width * height).filter(|pixel| near[*pixel]).collect();
+    let of_near = |ledger: &mut Ledger, k: usize| {
+        let data = middle(ledger, near[k]);
+        share(&data, |i| at(ledger, near[k], place(i))) as f32
+    };
+    let shares = parallel::map_init(near.len(), &ledger, &of_near);
+    near.iter().zip(shares).for_each(|(pixel, share)| all.seethrough[*pixel] = share);
     all
 }
 

@@ -10,6 +10,7 @@ use super::ownership::{Ownership, Reach};
 use super::walk::{Travel, Walker};
 use eyebox_base::ids::GroupId;
 use eyebox_base::lpe;
+use eyebox_base::parallel;
 use eyebox_base::path::Trail;
 use eyebox_base::rng::Rng;
 use eyebox_film::guide::{Guide, Point, Sample};
@@ -19,7 +20,6 @@ use eyebox_world::lamp::LampPoint;
 use eyebox_world::mode::{Mode, lanes};
 use eyebox_world::optics::Optics;
 use glam::DVec3;
-use rayon::prelude::*;
 use shots::Points;
 pub use shots::{Shots, Starts};
 pub use visit::Visitor;
@@ -234,6 +234,6 @@ impl Emission {
     ) -> Vec<T> {
         let points = Points::new(shots);
         let start = |sample| if stop() { None } else { self.start(tracing, &points, sample) };
-        (0..shots.paths).into_par_iter().filter_map(|sample| take(start(sample)?)).collect()
+        parallel::filter_map(shots.paths, &|sample| take(start(sample)?))
     }
 }

@@ -12,6 +12,7 @@ use crate::manifold::seeds::bands::Bands;
 use crate::manifold::seeds::connections::{Connections, Rest};
 use crate::manifold::solver::newton::Target;
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::path::Class;
 use eyebox_base::rng::Stream;
 use eyebox_film::accumulate::{Film, Light};
@@ -22,7 +23,6 @@ use eyebox_world::eye::Arrival;
 use eyebox_world::mode::{Mode, components, lanes};
 use eyebox_world::optics::Optics;
 use eyebox_world::scatter::Scatter;
-use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -92,17 +92,15 @@ impl<'w, M: Mode> Forward<'w, M> {
             let last_pass = batch[batch.len() - 1].0;
             let optics: Vec<Optics<M>> =
                 (first_pass..=last_pass).map(|pass| M::optics(self.world, self.seed, pass)).collect();
-            let done: Vec<(Vec<Splat>, Ledger)> = batch
-                .par_iter()
-                .map(|&(pass, chunk)| {
-                    let optics = &optics[(pass - first_pass) as usize];
-                    let mut arrivals = self.arrivals(optics);
-                    let shots = self.shots(Stream::Forward, pass);
-                    let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut arrivals);
-                    ledger.work += arrivals.work;
-                    (arrivals.splats, ledger)
-                })
-                .collect();
+            let of_chunk = |&(pass, chunk): &(u64, u64)| {
+                let optics = &optics[(pass - first_pass) as usize];
+                let mut arrivals = self.arrivals(optics);
+                let shots = self.shots(Stream::Forward, pass);
+                let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut arrivals);
+                ledger.work += arrivals.work;
+                (arrivals.splats, ledger)
+            };
+            let done: Vec<(Vec<Splat>, Ledger)> = parallel::map_all(batch, &of_chunk);
             for ((pass, _), (splats, ledger)) in batch.iter().zip(done) {
                 film.add_work(*pass, ledger.work);
                 for s in &splats {

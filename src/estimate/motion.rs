@@ -4,13 +4,13 @@
 use super::data::go_straight;
 use super::ledger::Ledger;
 use eyebox_base::error::Result;
+use eyebox_base::parallel;
 use eyebox_scene::{Mesh, Scene};
 use eyebox_world::World;
 use eyebox_world::eye::EyeLens;
 use eyebox_world::geometry::Hit;
 use eyebox_world::mode::{Mode, Mono};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Pixels to the right and down, row-major. 0 where the next frame has no such part, or has it behind the eye.
@@ -40,7 +40,7 @@ pub fn motion(world: &World, now: &Scene, next: &Scene) -> Result<[Vec<f32>; 2]>
         [right - (x as f64 + 0.5), down - (y as f64 + 0.5)].map(|pixels| pixels as f32)
     };
     let ledger = || Ledger::new(world.solids.len());
-    let both: Vec<[f32; 2]> = (0..width * height).into_par_iter().map_init(ledger, of).collect();
+    let both: Vec<[f32; 2]> = parallel::map_init(width * height, &ledger, &of);
     Ok([0, 1].map(|axis| both.iter().map(|pixel| pixel[axis]).collect()))
 }
 

@@ -4,13 +4,13 @@
 use super::data::{End, follow_straight};
 use super::ledger::Ledger;
 use super::motion::moved;
+use eyebox_base::parallel;
 use eyebox_scene::Scene;
 use eyebox_world::World;
 use eyebox_world::geometry::Hit;
 use eyebox_world::mode::{Mode, Mono};
 use eyebox_world::optics::Optics;
 use glam::{DMat2, DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A moment of a scene, and what traces it.
@@ -70,7 +70,7 @@ pub fn motion_seen(now: Frozen<'_>, next: Frozen<'_>) -> [Vec<f32>; 2] {
         [film.x / right, film.y / up].map(|pixels| pixels as f32)
     };
     let ledgers = || [now, next].map(|frozen| Ledger::new(frozen.world.solids.len()));
-    let both: Vec<[f32; 2]> = (0..width * height).into_par_iter().map_init(ledgers, of).collect();
+    let both: Vec<[f32; 2]> = parallel::map_init(width * height, &ledgers, &of);
     [0, 1].map(|axis| both.iter().map(|pixel| pixel[axis]).collect())
 }
 

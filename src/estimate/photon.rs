@@ -17,6 +17,7 @@ use super::photon_map::Photon;
 use crate::manifold::eye_table::EyeTable;
 use crate::manifold::receiver::Receivers;
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::path::Trail;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_film::accumulate::Film;
@@ -32,7 +33,6 @@ use gather::Maps;
 pub use gather::on_side;
 use gather_samples::GatherSamples;
 use glam::DVec3;
-use rayon::prelude::*;
 use record::PhotonRecord;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
@@ -207,15 +207,13 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         (screens, reach_m): (&Receivers<M>, f64),
     ) -> (Vec<Photon<M>>, Ledger) {
         let shots = self.shots(Stream::PhotonEmission, pass);
-        let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut stored = PhotonRecord::new(screens, reach_m, self.part);
-                let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
-                ledger.work += stored.work + cost::STORED * stored.photons.len() as u64;
-                (stored.photons, ledger)
-            })
-            .collect();
+        let of_chunk = |chunk: usize| {
+            let mut stored = PhotonRecord::new(screens, reach_m, self.part);
+            let mut ledger = self.emission.chunk((self.world, optics), shots, chunk as u64, &mut stored);
+            ledger.work += stored.work + cost::STORED * stored.photons.len() as u64;
+            (stored.photons, ledger)
+        };
+        let done: Vec<(Vec<Photon<M>>, Ledger)> = parallel::map(Shots::chunks(self.photons) as usize, &of_chunk);
         let mut all = Vec::with_capacity(done.iter().map(|(photons, _)| photons.len()).sum());
         let mut total = Ledger::new(self.world.solids.len());
         for (photons, ledger) in done {

@@ -9,13 +9,13 @@ use super::walk::{Vertex, Walker};
 use crate::manifold::receiver::Claim;
 use eyebox_base::ids::GroupId;
 use eyebox_base::lpe::LpeState;
+use eyebox_base::parallel;
 use eyebox_base::path::Trail;
 use eyebox_film::accumulate::Light;
 use eyebox_world::geometry::Site;
 use eyebox_world::mode::Mode;
 use eyebox_world::stokes::Facets;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Flux that arrived at a scatterer.
@@ -104,7 +104,7 @@ impl<M: Mode> PhotonMap<M> {
         let cell = 2.0 * radius;
         let origin = shift * cell;
         let bucket_of: Vec<u32> =
-            photons.par_iter().map(|p| bucket(cell_of(p.position - origin, cell), buckets) as u32).collect();
+            parallel::map_all(&photons, &|p| bucket(cell_of(p.position - origin, cell), buckets) as u32);
         let mut starts = vec![0u32; buckets + 1];
         bucket_of.iter().for_each(|&b| starts[b as usize + 1] += 1);
         for b in 0..buckets {
@@ -117,7 +117,7 @@ impl<M: Mode> PhotonMap<M> {
             order[next[b as usize] as usize] = index as u32;
             next[b as usize] += 1;
         }
-        let photons: Vec<Photon<M>> = order.par_iter().map(|&index| photons[index as usize].clone()).collect();
+        let photons: Vec<Photon<M>> = parallel::map_all(&order, &|&index| photons[index as usize].clone());
         let crowd = |ends: &[u32]| {
             let free = |&at: &usize| photons[at].claim != Claim::Connected && !photons[at].trail.is_empty();
             let free: Vec<usize> = (ends[0] as usize..ends[1] as usize).filter(free).collect();
@@ -125,9 +125,9 @@ impl<M: Mode> PhotonMap<M> {
             let steps = adaptive_kernel::steps(&positions, cell, enough);
             free.into_iter().zip(steps).collect::<Vec<(usize, u8)>>()
         };
-        let crowded = starts.par_windows(2).filter(|ends| f64::from(ends[1] - ends[0]) > enough);
+        let crowded: Vec<&[u32]> = starts.windows(2).filter(|ends| f64::from(ends[1] - ends[0]) > enough).collect();
         let mut steps = vec![0; photons.len()];
-        for (at, own) in crowded.map(crowd).collect::<Vec<_>>().into_iter().flatten() {
+        for (at, own) in parallel::map_all(&crowded, &|ends| crowd(ends)).into_iter().flatten() {
             steps[at] = own;
         }
         let crowded = steps.iter().any(|steps| *steps > 0);

@@ -13,13 +13,13 @@ use super::ledger::Ledger;
 pub use drive::{drive, run};
 pub use engines::{begin, begin_trial};
 use eyebox_base::memory::give_back;
+use eyebox_base::parallel;
 use eyebox_base::stats::{beyond_noise, variance_ratio};
 use eyebox_film::accumulate::{Film, Saved};
 use eyebox_film::guide::ApertureGuide;
 use eyebox_film::plan::Estimator;
 use eyebox_film::witness::{Judgement, Witness, judge};
 pub use outlook::HoldUp;
-use rayon::prelude::*;
 use std::time::Duration;
 pub use tuning::run::LEEWAY;
 use tuning::run::MISSED;
@@ -206,7 +206,7 @@ impl Films {
             }
             sums
         };
-        let rows: Vec<Noise> = (0..first.height).into_par_iter().map(of_row).collect();
+        let rows: Vec<Noise> = parallel::map(first.height, &of_row);
         let mut sums = Noise::default();
         rows.iter().for_each(|row| sums.add(row));
         (self.passes >= 2 && sums.seen > 0.0).then_some(sums)

@@ -23,6 +23,7 @@ use super::tuning::witness::{
 use super::vision::Hints;
 use crate::manifold::receiver::Receivers;
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::path::Class;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_film::accumulate::{Light, PlaneKey};
@@ -34,7 +35,6 @@ use eyebox_world::lamp::Lamp;
 use eyebox_world::mode::{Mode, Mono, components};
 use eyebox_world::surface::Surface;
 use from_lamps::FromLamps;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A witness, ready to look.
@@ -143,7 +143,7 @@ impl<'w, M: Mode> Witness<'w, M> {
         let mut rng = Rng::new(self.seed, Stream::Witness, 6, pass);
         let count = ((share * work as f64 / cost + rng.uniform()) as u64).min(MOST_SAMPLES);
         let number = |sample: u64| pass.wrapping_mul(MOST_SAMPLES).wrapping_add(sample);
-        let samples: Vec<_> = (0..count).into_par_iter().map(|sample| from_lamps.sample::<M>(number(sample))).collect();
+        let samples: Vec<_> = parallel::map(count as usize, &|sample| from_lamps.sample::<M>(number(sample as u64)));
         for (parts, work) in samples {
             self.record.sent.iter_mut().zip(&parts).for_each(|(sent, parts)| sent.add(parts));
             self.record.work = self.record.work.saturating_add(work);
@@ -176,7 +176,7 @@ impl<'w, M: Mode> Witness<'w, M> {
             }
             (seen, ledgers[0].work + ledgers[1].work)
         };
-        (0..count.div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect()
+        parallel::map(count.div_ceil(CHUNK) as usize, &|chunk| of_chunk(chunk as u64))
     }
 }
 

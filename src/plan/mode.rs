@@ -3,6 +3,7 @@
 
 use super::Polarisation;
 use super::tuning::mode::{MATTERS, PROBES_NM};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_check::Checked;
 use eyebox_estimate::ShouldStop;
@@ -14,7 +15,6 @@ use eyebox_world::World;
 use eyebox_world::geometry::Ray;
 use eyebox_world::interior::Interior;
 use eyebox_world::mode::{Mode, MonoStokes};
-use rayon::prelude::*;
 
 /// The mode of a scene, with reasons.
 pub fn decide(checked: &Checked, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> PathMode {
@@ -235,6 +235,6 @@ fn departure(world: &World, stop: &ShouldStop<'_>) -> (f64, Option<u32>) {
     };
     let larger = |a: (f64, Option<u32>), b: (f64, Option<u32>)| if b.0 > a.0 { b } else { a };
     // In order, so that equals are settled alike for any number of threads.
-    let all: Vec<_> = (0..PATHS).into_par_iter().map(one).collect();
+    let all: Vec<_> = parallel::map(PATHS as usize, &|sample| one(sample as u64));
     all.into_iter().fold((0.0, None), larger)
 }

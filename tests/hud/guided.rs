@@ -248,7 +248,7 @@ fn light_tracing_is_given_up_early_only_where_nothing_is_shared() {
         scene
     };
     let diffuse = gaze(hud("diffuse", &[]), [0.0; 2], 13.0, [24, 12]);
-    for (scene, paths) in [(&diffuse, "none of 8192 paths"), (&beside, "none of 65536 paths")] {
+    for (scene, paths) in [(&diffuse, "none of 8192 pilot paths"), (&beside, "none of 65536 pilot paths")] {
         assert!(why(scene).contains(paths), "{}", why(scene));
     }
     assert!(why(&small()).contains("Connect"), "{}", why(&small()));

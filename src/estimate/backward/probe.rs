@@ -6,6 +6,7 @@ use crate::ShouldStop;
 use crate::ledger::Ledger;
 use crate::walk::{Meeting, Met, Travel, Vertex, Walker};
 use eyebox_base::lattice::lattice;
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::warp::Frame;
 use eyebox_film::guide::Portals;
@@ -16,7 +17,6 @@ use eyebox_world::optics::Optics;
 use eyebox_world::scatter::Scatter;
 use eyebox_world::sky::SkyLight;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Light of the sky that a scatterer gets.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,19 +48,12 @@ impl Backward<'_, Mono> {
     pub fn daylight(&self, pass: u64, paths: u64, stop: &ShouldStop<'_>) -> Vec<Daylight> {
         let Some(sky) = &self.world.sky else { return Vec::new() };
         let optics = Mono::<f64>::optics(self.world, self.seed, 0);
-        let path = |k: u64| {
-            let mut found = Vec::new();
+        let path = |k: u64, found: &mut Vec<Daylight>| {
             if !stop() {
-                self.probe(
-                    (sky, &optics),
-                    pass * paths + k,
-                    Rng::new(self.seed, Stream::Daylight, pass, k),
-                    &mut found,
-                );
+                self.probe((sky, &optics), pass * paths + k, Rng::new(self.seed, Stream::Daylight, pass, k), found);
             }
-            found
         };
-        (0..paths).into_par_iter().flat_map_iter(path).collect()
+        parallel::flat_map(paths, &path)
     }
 
     fn probe(&self, (sky, optics): (&SkyLight, &Optics<Mono>), k: u64, mut rng: Rng, found: &mut Vec<Daylight>) {

@@ -6,9 +6,9 @@ use crate::ShouldStop;
 use crate::ledger::Ledger;
 use crate::pixel::Pixel;
 use eyebox_base::lattice::lattice;
+use eyebox_base::parallel;
 use eyebox_film::accumulate::Light;
 use eyebox_world::mode::{Mode, Mono};
-use rayon::prelude::*;
 
 /// Light and counted work of paths, two to a pixel.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl Backward<'_, Mono> {
         };
         let places: Vec<[usize; 2]> = (0..count).map(place).collect();
         self.over_sky = OverSky::find(self.world, &self.route, self.seed, Some(&places));
-        let one = |[x, y]: [usize; 2]| {
+        let one = |&[x, y]: &[usize; 2]| {
             let mut work = 0;
             let light = passes.map(|pass| {
                 if stop() {
@@ -70,7 +70,7 @@ impl Backward<'_, Mono> {
             });
             (light, work)
         };
-        let all: Vec<([f64; 2], u64)> = places.into_par_iter().map(one).collect();
+        let all: Vec<([f64; 2], u64)> = parallel::map_all(&places, &one);
         Trial { light: all.iter().map(|(light, _)| *light).collect(), work: all.iter().map(|(_, work)| work).sum() }
     }
 }

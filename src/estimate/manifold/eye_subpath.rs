@@ -15,6 +15,7 @@ use crate::pixel::Pixel;
 use crate::specular_event::Faint;
 use crate::walk::{Travel, Vertex, Walker};
 use eyebox_base::lpe::{Letter, Source};
+use eyebox_base::parallel;
 use eyebox_base::path::{Event, Trail};
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::warp::{Frame, disk};
@@ -27,7 +28,6 @@ use eyebox_world::optics::Optics;
 use eyebox_world::scatter::Scatter;
 use eyebox_world::surface::Surface;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 /// By how many pairs of places of the pupil and of lamps tables tell in a pass what a pixel sees over all of them, where a slide's
 /// picture has an edge in it for any of them; else 0. The more the farther the edge moves between them. Empty where no tables cross
@@ -53,12 +53,12 @@ pub(super) fn pairs_at_edges<M: Mode>(
     // Most blocks are even.
     let across = width.div_ceil(BLOCK);
     let even = |k: usize| most([k % across * BLOCK, k / across * BLOCK], BLOCK) == Some(0);
-    let even: Vec<bool> = (0..across * height.div_ceil(BLOCK)).into_par_iter().map(even).collect();
+    let even: Vec<bool> = parallel::map(across * height.div_ceil(BLOCK), &even);
     let pairs = |index: usize| {
         let [x, y] = [index % width, index / width];
         if even[y / BLOCK * across + x / BLOCK] { 0 } else { most([x, y], 1).unwrap_or(0) as u8 }
     };
-    (0..width * height).into_par_iter().map(pairs).collect()
+    parallel::map(width * height, &pairs)
 }
 
 /// Where a path of a pair starts.

@@ -23,8 +23,9 @@ use crate::pixel::Pixel;
 use crate::walk::{Travel, Walker};
 use arrayvec::ArrayVec;
 use eyebox_base::lpe::Source;
+use eyebox_base::parallel;
 use eyebox_base::rng::Stream;
-use eyebox_film::accumulate::{Film, Light};
+use eyebox_film::accumulate::{Film, Light, Row};
 use eyebox_world::World;
 use eyebox_world::geometry::Ray;
 use eyebox_world::interior::Interior;
@@ -32,7 +33,6 @@ use eyebox_world::mode::{Mode, OPTICS_AT_A_TIME, Turns, lanes, plane_of, turns, 
 use eyebox_world::optics::Optics;
 use eyebox_world::wavelengths::SharedLight;
 use glam::DVec2;
-use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -127,47 +127,45 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let screens: Vec<Arc<Receivers<M>>> =
             passes.first().map_or(Vec::new(), |(_, turns)| turns.iter().map(screens).collect());
         let mut rows: Vec<_> = film.rows().collect();
-        let ledgers: Vec<Ledger> = rows
-            .par_iter_mut()
-            .map(|(y, row)| {
-                let mut total = Ledger::new(parts);
-                let mut scratch = Ledger::new(parts);
-                let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
-                let mut scratches = (Vec::new(), Vec::new());
-                for (pass, turns) in &passes {
-                    let (mut ledger, before) = (Ledger::new(parts), scratch.work);
-                    for x in (0..width).filter(|x| self.world.eye.wants([*x, *y])) {
-                        if !row.wants(x, *pass) {
-                            continue;
-                        }
-                        light.fill(Light::default());
-                        for ((number, optics), screens) in turns.iter().zip(&screens) {
-                            let pixel = Pixel::new((x, *y), width, *number);
-                            let times = self.rims.times(pixel.index);
-                            for k in 0..times {
-                                let once = Pixel { pass: number.wrapping_mul(times).wrapping_add(k), ..pixel };
-                                let books = (&mut ledger, &mut scratch);
-                                self.pixel(optics, (once, times as f64), &mut light, &mut scratches, books);
-                            }
-                            if !screens.is_empty() {
-                                let books = (&mut ledger, &mut scratch);
-                                eye_subpath::look(self, (optics, screens), pixel, &mut light, books);
-                            }
-                        }
-                        if self.turns > 1 {
-                            light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.turns as f64));
-                        }
-                        ledger.work += cost::KEPT;
-                        row.add_pass(x, *pass, &light);
+        let of_row = |(y, row): &mut (usize, Row<'_>)| {
+            let mut total = Ledger::new(parts);
+            let mut scratch = Ledger::new(parts);
+            let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+            let mut scratches = (Vec::new(), Vec::new());
+            for (pass, turns) in &passes {
+                let (mut ledger, before) = (Ledger::new(parts), scratch.work);
+                for x in (0..width).filter(|x| self.world.eye.wants([*x, *y])) {
+                    if !row.wants(x, *pass) {
+                        continue;
                     }
-                    row.add_work(*pass, ledger.work + scratch.work - before);
-                    total.merge(&ledger);
+                    light.fill(Light::default());
+                    for ((number, optics), screens) in turns.iter().zip(&screens) {
+                        let pixel = Pixel::new((x, *y), width, *number);
+                        let times = self.rims.times(pixel.index);
+                        for k in 0..times {
+                            let once = Pixel { pass: number.wrapping_mul(times).wrapping_add(k), ..pixel };
+                            let books = (&mut ledger, &mut scratch);
+                            self.pixel(optics, (once, times as f64), &mut light, &mut scratches, books);
+                        }
+                        if !screens.is_empty() {
+                            let books = (&mut ledger, &mut scratch);
+                            eye_subpath::look(self, (optics, screens), pixel, &mut light, books);
+                        }
+                    }
+                    if self.turns > 1 {
+                        light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.turns as f64));
+                    }
+                    ledger.work += cost::KEPT;
+                    row.add_pass(x, *pass, &light);
                 }
-                total.vertex_error = scratch.vertex_error;
-                total.work += scratch.work;
-                total
-            })
-            .collect();
+                row.add_work(*pass, ledger.work + scratch.work - before);
+                total.merge(&ledger);
+            }
+            total.vertex_error = scratch.vertex_error;
+            total.work += scratch.work;
+            total
+        };
+        let ledgers: Vec<Ledger> = parallel::map_mut(&mut rows, &of_row);
         ledgers.iter().for_each(|ledger| total.merge(ledger));
     }
 

@@ -14,6 +14,7 @@ use crate::rqmc::Rqmc;
 use crate::specular_event::Faint;
 use crate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use eyebox_base::lpe::Letter;
+use eyebox_base::parallel;
 use eyebox_base::path::{Event, Trail};
 use eyebox_base::rng::Stream;
 use eyebox_base::warp::{Frame, disk};
@@ -27,7 +28,6 @@ use eyebox_world::optics::Optics;
 use eyebox_world::scatter::Scatter;
 use eyebox_world::surface::Surface;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 const _: () = assert!(STRIDE >= MOST_RAYS);
@@ -146,7 +146,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
             }
             ledger.work
         };
-        rows.par_iter_mut().map(of_row).sum()
+        parallel::map_mut(&mut rows, &of_row).into_iter().sum()
     }
 
     /// Gathers what a ray through a pixel sees; its number in the pixel's lattice is the `pass`. What tables know of where it

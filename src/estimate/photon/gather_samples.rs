@@ -6,13 +6,13 @@ pub(super) use super::tuning::gather_samples::MOST_RAYS;
 use crate::photon::visible_receivers::{Place, follow};
 use crate::photon_map::{PhotonMap, adaptive_kernel};
 use crate::walk::{Travel, Walker};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_world::World;
 use eyebox_world::geometry::{Ray, Site};
 use eyebox_world::interior::Interior;
 use eyebox_world::mode::{Mode, Mono};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// By how often the radius of photons about a middle is halved, begun ones counted.
 const RAYS: [u64; adaptive_kernel::HALVINGS + 1] = [1, 2, 8, MOST_RAYS];
@@ -50,7 +50,7 @@ impl GatherSamples {
             });
             found.into_boxed_slice()
         };
-        let mut of_pixel: Vec<Box<[Middle]>> = (0..width * height).into_par_iter().map(look).collect();
+        let mut of_pixel: Vec<Box<[Middle]>> = parallel::map(width * height, &look);
         // A pixel sees as far as its corners lie: 1/√2 of the way to its neighbours.
         let to = |middle: &Middle, neighbour: usize| {
             let there = of_pixel[neighbour].iter().filter(|other| other.site.is_on_face_of(middle.site));
@@ -65,7 +65,7 @@ impl GatherSamples {
             farthest.map_or(f64::INFINITY, |farthest| farthest * std::f64::consts::FRAC_1_SQRT_2)
         };
         let of = |pixel: usize| of_pixel[pixel].iter().map(|middle| reach(pixel, middle)).collect();
-        let reaches: Vec<Box<[f64]>> = (0..of_pixel.len()).into_par_iter().map(of).collect();
+        let reaches: Vec<Box<[f64]>> = parallel::map(of_pixel.len(), &of);
         for (middle, reach) in of_pixel.iter_mut().flatten().zip(reaches.into_iter().flatten()) {
             middle.reach = reach;
         }

@@ -6,6 +6,7 @@ use crate::ShouldStop;
 use crate::ledger::Ledger;
 use crate::photon_map::cell_of;
 use crate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use eyebox_base::parallel;
 use eyebox_base::path::Trail;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::sobol::Sobol;
@@ -17,7 +18,6 @@ use eyebox_world::mode::{Mode, Mono};
 use eyebox_world::scatter::{Look, Scatter, Sides};
 use eyebox_world::surface::Surface;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
 /// By part, face and cell.
@@ -116,10 +116,9 @@ impl VisibleReceivers {
         let cell_m = 3.0 * pixel_m * ((width * height) as f64 / RAYS as f64).sqrt().max(1.0);
         let optics = Mono::<f64>::optics(world, 0, 0);
         let points = Sobol::new(0, Stream::Pilot, 2);
-        let one = |ray: u64| {
-            let mut found = Vec::new();
+        let one = |ray: u64, found: &mut Vec<Sighting>| {
             if stop() {
-                return found;
+                return;
             }
             let [x, y, a, b] = points.point(ray);
             let place = |x: f64, size: usize| ((x * size as f64) as usize).min(size - 1);
@@ -138,9 +137,8 @@ impl VisibleReceivers {
                 *first = Some(weight);
                 sight.goes_on
             });
-            found
         };
-        let points: Vec<Sighting> = (0..RAYS).into_par_iter().flat_map_iter(one).collect();
+        let points: Vec<Sighting> = parallel::flat_map(RAYS, &one);
         let cell = |sight: &Sighting| (sight.site.part, sight.site.face, cell_of(sight.point, cell_m));
         let cells = [false, true].map(|second| {
             let of = points.iter().enumerate().filter(|(_, sight)| sight.is_second() == second);

@@ -10,10 +10,11 @@
 
 use super::Films;
 use super::tuning::adaptive::{AIM, AIMED, ALONE, BLOCK, FLOOR, FLOOR_OF_WORK, FORESEEN, LEAST_DRAWN, SHARE_OF_WORK};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_film::accumulate::{Film, Sampling};
 use eyebox_film::plan::Estimator;
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut as _;
 
 /// Something whose passes may be doubled.
 struct Candidate {
@@ -227,14 +228,12 @@ fn variances(film: &Film, doubts: Option<&[f64]>, traced: &(dyn Fn(usize) -> boo
         let variance = film.variance(pixel, all).max(doubts.map_or(0.0, |doubts| doubts[pixel]));
         if traced(pixel) { variance * film.passes_of(pixel) as f64 } else { 0.0 }
     };
-    let own: Vec<f64> = (0..width * height).into_par_iter().map(of_pass).collect();
-    let near: Vec<f64> =
-        (0..width * height).into_par_iter().map(|pixel| of_neighbours(&own, pixel, [width, height])).collect();
+    let own: Vec<f64> = parallel::map(width * height, &of_pass);
+    let near: Vec<f64> = parallel::map(width * height, &|pixel| of_neighbours(&own, pixel, [width, height]));
     // What the neighbours of a pixel do not lead one to expect.
     let beyond: Vec<f64> = own.iter().zip(&near).map(|(own, near)| (own - FORESEEN * near).max(0.0)).collect();
     let blocks = Blocks::new(&beyond, [width, height]);
-    let of_block: Vec<[f64; 2]> =
-        (0..width * height).into_par_iter().map(|pixel| blocks.around(&beyond, pixel)).collect();
+    let of_block: Vec<[f64; 2]> = parallel::map(width * height, &|pixel| blocks.around(&beyond, pixel));
     let foreseen = near.iter().zip(&of_block).map(|(near, [mean, _])| near + mean).collect();
     let (mut error, mut alone) = (0.0, 0.0);
     for pixel in 0..width * height {

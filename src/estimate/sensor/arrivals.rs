@@ -7,6 +7,7 @@ use crate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::ownership::Ownership;
 use crate::walk::{Vertex, Walker};
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::rng::Stream;
 use eyebox_film::accumulate::PlaneKey;
 use eyebox_film::guide::{Guide, Point, Sample};
@@ -17,7 +18,6 @@ use eyebox_world::mode::Mode;
 use eyebox_world::optics::Optics;
 use eyebox_world::scatter::Scatter;
 use eyebox_world::sensor::{SensorFace, Side};
-use rayon::prelude::*;
 use std::marker::PhantomData;
 
 /// Light tracing onto a sensor, ready to run passes.
@@ -62,15 +62,12 @@ impl<'w, M: Mode> Forward<'w, M> {
     pub fn pass(&self, pass: u64) -> Vec<Caught> {
         let optics = M::optics(self.world, self.seed, pass);
         let shots = self.shots(Stream::Sensor, pass);
-        let chunks: Vec<Vec<Caught>> = (0..Shots::chunks(self.paths))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut arrivals = self.arrivals(&optics);
-                self.emission.chunk((self.world, &optics), shots, chunk, &mut arrivals);
-                arrivals.caught
-            })
-            .collect();
-        chunks.concat()
+        let of_chunk = |chunk: usize| {
+            let mut arrivals = self.arrivals(&optics);
+            self.emission.chunk((self.world, &optics), shots, chunk as u64, &mut arrivals);
+            arrivals.caught
+        };
+        parallel::map(Shots::chunks(self.paths) as usize, &of_chunk).concat()
     }
 
     /// Traces one pass for learning: the starts of paths that arrived, with what they brought, see [`Emission::probe`].

@@ -8,6 +8,7 @@ use super::{Caught, measured};
 use crate::ledger::Ledger;
 use crate::walk::{Meeting, Met, Travel, Walker};
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::sobol::Sobol;
 use eyebox_base::warp::{Frame, cosine_hemisphere};
@@ -19,7 +20,6 @@ use eyebox_world::mode::{Mode, lanes};
 use eyebox_world::optics::Optics;
 use eyebox_world::sensor::{SensorFace, SensorPoint, Side};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
 
@@ -55,20 +55,18 @@ impl<'w, M: Mode> Backward<'w, M> {
     pub fn pass(&self, pass: u64) -> Vec<Caught> {
         let optics = M::optics(self.world, self.seed, pass);
         let points = [0, 1].map(|side| Sobol::new(self.seed, Stream::SensorSky, pass.wrapping_mul(2) + side));
-        let chunks: Vec<Vec<Caught>> = (0..self.paths.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let mut caught = Vec::new();
-                let mut ledger = Ledger::new(self.world.solids.len());
-                for sample in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.paths) {
-                    let rng = Rng::new(self.seed, Stream::SensorSky, pass, sample);
-                    let point = points[(sample % 2) as usize].point(sample / 2);
-                    self.path(&optics, (Side::BOTH[(sample % 2) as usize], point), rng, &mut caught, &mut ledger);
-                }
-                caught
-            })
-            .collect();
-        chunks.concat()
+        let of_chunk = |chunk: usize| {
+            let chunk = chunk as u64;
+            let mut caught = Vec::new();
+            let mut ledger = Ledger::new(self.world.solids.len());
+            for sample in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.paths) {
+                let rng = Rng::new(self.seed, Stream::SensorSky, pass, sample);
+                let point = points[(sample % 2) as usize].point(sample / 2);
+                self.path(&optics, (Side::BOTH[(sample % 2) as usize], point), rng, &mut caught, &mut ledger);
+            }
+            caught
+        };
+        parallel::map(self.paths.div_ceil(CHUNK) as usize, &of_chunk).concat()
     }
 
     fn looks_for(&self, group: GroupId) -> bool {
@@ -101,7 +99,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             }
             None
         };
-        (0..count).into_par_iter().filter_map(way).collect()
+        parallel::filter_map(count, &way)
     }
 
     /// A path's start by four numbers (direction, place), and where it is on the sensor.

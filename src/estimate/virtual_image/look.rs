@@ -4,12 +4,12 @@ use super::subject::Kind;
 use super::tuning::subject::LOOKS;
 use super::ways::{Effort, follow};
 use eyebox_base::chain::Chain;
+use eyebox_base::parallel;
 use eyebox_film::specular_chain::SpecularChain;
 use eyebox_world::World;
 use eyebox_world::mode::Mono;
 use eyebox_world::optics::Optics;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Light from the eye that met a face.
@@ -62,7 +62,7 @@ pub(super) fn look_around(
         });
         (landed, left_out)
     };
-    let rays: Vec<_> = (0..LOOKS * LOOKS).into_par_iter().map(ray).collect();
+    let rays: Vec<_> = parallel::map(LOOKS * LOOKS, &ray);
     let (mut found, mut most) = (Found::new(), 0f64);
     for (landed, left_out) in rays {
         most = most.max(left_out);

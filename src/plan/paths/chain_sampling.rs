@@ -8,6 +8,7 @@ use super::tuning::chain_sampling::{BRIGHT, ERROR, EYE, FIRST, GAIN, LONGER, PAT
 use crate::pilots::{self, Look, Narrow};
 use eyebox_base::chain::Chain;
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::sobol::Sobol;
 use eyebox_estimate::ShouldStop;
@@ -20,7 +21,6 @@ use eyebox_world::geometry::Ray;
 use eyebox_world::interior::Interior;
 use eyebox_world::mode::{Mode, Mono};
 use eyebox_world::optics::Optics;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// The chains with paths of their own.
@@ -140,7 +140,7 @@ impl Side {
                     });
                     (!found.is_empty()).then_some(found)
                 };
-                (0..shots.paths).into_par_iter().filter_map(one).collect()
+                parallel::filter_map(shots.paths, &one)
             }
         }
     }

@@ -11,6 +11,7 @@ use super::tuning::discover::{
 use crate::pilots;
 use eyebox_base::chain::Chain;
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_estimate::ShouldStop;
 use eyebox_estimate::emission::{Shots, Starts};
@@ -22,7 +23,6 @@ use eyebox_world::World;
 use eyebox_world::geometry::Ray;
 use eyebox_world::mode::{Mode, Mono};
 use eyebox_world::optics::Optics;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// What is needed to start paths.
@@ -88,9 +88,9 @@ impl Found {
     }
 
     /// Starts on lamps, and starts at the eye.
-    pub fn starts(self) -> [Vec<Sample>; 2] {
-        let eye = if self.from_eye.effective() > self.arrived.effective() { self.from_eye } else { self.arrived };
-        [self.from_lamps.starts, eye.starts]
+    pub fn starts(&self) -> [Vec<Sample>; 2] {
+        let eye = if self.from_eye.effective() > self.arrived.effective() { &self.from_eye } else { &self.arrived };
+        [self.from_lamps.starts.clone(), eye.starts.clone()]
     }
 
     fn is_known(&self) -> bool {
@@ -126,15 +126,12 @@ pub(super) fn discover(start: Start<'_>, split: Split, least: f64, stop: &Should
     chains.sort_by(|(_, a), (_, b)| b.lumens().total_cmp(&a.lumens()));
     let lamps = start.lamps.map_or(1, |lamps| lamps.sources.len());
     chains.truncate(MOST.min(MOST_STARTS / lamps.max(1)));
-    let learned: Vec<Directed> = chains
-        .into_par_iter()
-        .filter(|(key, found)| start.is_from_eye(key.0) || is_the_lamps(start.world, &optics, &key.1, found))
-        .filter_map(|(key, found)| {
-            let shares = shares(&key, &found);
-            Directed::learn(start, key, shares, found.starts(), stop)
-        })
-        .collect();
-    All::new(learned)
+    let learned = parallel::map_all(&chains, &|(key, found)| {
+        let wanted = start.is_from_eye(key.0) || is_the_lamps(start.world, &optics, &key.1, found);
+        let shares = wanted.then(|| shares(key, found))?;
+        Directed::learn(start, key.clone(), shares, found.starts(), stop)
+    });
+    All::new(learned.into_iter().flatten().collect())
 }
 
 /// The entry of a chain, a new one if there is room.

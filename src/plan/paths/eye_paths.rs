@@ -5,6 +5,7 @@ use super::lamp_paths::{Caught, LampEnd, Source, Split, Trace, Way};
 use super::part_sequence::Visits;
 use eyebox_base::chain::Chain;
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_base::rng::Rng;
 use eyebox_estimate::ShouldStop;
 use eyebox_estimate::emission::Shots;
@@ -19,7 +20,6 @@ use eyebox_world::interior::Interior;
 use eyebox_world::mode::{Mode, components, lanes};
 use eyebox_world::optics::Optics;
 use eyebox_world::scatter::Scatter;
-use rayon::prelude::*;
 use std::cell::Cell;
 
 /// A scatterer that a path from the eye has met.
@@ -97,7 +97,7 @@ impl<'w, M: Mode> EyePaths<'_, 'w, M> {
             self.follow(walker, &mut look, &mut ledger);
             (!look.found.is_empty()).then_some(look.found)
         };
-        (0..shots.paths).into_par_iter().filter_map(one).collect()
+        parallel::filter_map(shots.paths, &one)
     }
 
     fn visits(&self, source: Option<Source>, walker: &Walker<'w, M>) -> Visits {

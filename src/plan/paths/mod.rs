@@ -27,6 +27,7 @@ use crate::{Polarisation, mode};
 use chain_sampling::Directed;
 use eye_paths::EyePaths;
 use eyebox_base::ids::GroupId;
+use eyebox_base::parallel;
 use eyebox_check::Checked;
 use eyebox_estimate::ShouldStop;
 use eyebox_estimate::emission::{Shots, Starts};
@@ -38,7 +39,6 @@ use eyebox_world::mode::{Mode, Mono};
 use eyebox_world::stokes::Stokes;
 use glam::DVec3;
 use lamp_paths::{Caught, STREAM, Split};
-use rayon::prelude::*;
 use scattered::Deposits;
 use start_side::{Lamps, Sides};
 use std::collections::BTreeMap;
@@ -165,16 +165,14 @@ fn find_in<M: Mode>(world: &World, sides: &Sides, runs: Runs<'_>, stop: &ShouldS
             paths,
             starts: Starts::OfPass,
         };
-        let along: Vec<Vec<Vec<Caught>>> = directed
-            .par_iter()
-            .enumerate()
-            .map(|(index, (chain, paths))| {
-                // Each chain has numbers of its own.
-                let seed = SEED.wrapping_add(1 + index as u64);
-                let shots = Shots { seed, stream: STREAM, pass, paths: *paths, starts: Starts::OfPass };
-                chain.run((world, &optics), shots, stop)
-            })
-            .collect();
+        let of_chain = |index: usize| {
+            let (chain, paths) = &directed[index];
+            // Each chain has numbers of its own.
+            let seed = SEED.wrapping_add(1 + index as u64);
+            let shots = Shots { seed, stream: STREAM, pass, paths: *paths, starts: Starts::OfPass };
+            chain.run((world, &optics), shots, stop)
+        };
+        let along: Vec<Vec<Vec<Caught>>> = parallel::map(directed.len(), &of_chain);
         along.into_iter().for_each(|caught| sink(pass, caught, true));
         if let Some(Lamps { emission, sources }) = &sides.lamps {
             let from = (emission, sources.as_slice());

@@ -2,6 +2,7 @@
 
 use super::tuning::rays::MOST_POINTS;
 use super::{Source, part_name, source_name};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_check::Checked;
 use eyebox_estimate::ShouldStop;
@@ -15,7 +16,6 @@ use eyebox_world::mode::{Mode, MonoStokes};
 use eyebox_world::optics::Optics;
 use eyebox_world::surface::Surface;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Where paths start.
@@ -56,10 +56,8 @@ pub fn rays(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_
     const BLOCK: u64 = 1 << 12;
     for block in 0..counted.div_ceil(BLOCK) {
         let samples = block * BLOCK..((block + 1) * BLOCK).min(counted);
-        let traced: Vec<Traced> = samples
-            .into_par_iter()
-            .filter_map(|sample| if stop() { None } else { trace((checked, world, &optics), asked, sample) })
-            .collect();
+        let one = |k: u64| if stop() { None } else { trace((checked, world, &optics), asked, samples.start + k) };
+        let traced: Vec<Traced> = parallel::filter_map(samples.end - samples.start, &one);
         for one in traced {
             drawn.add(one.strip);
             fates.merge(one.fates);

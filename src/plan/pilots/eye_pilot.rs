@@ -3,6 +3,7 @@
 
 use super::chains::{Arrived, SEED};
 use super::tuning::eye_pilot::{LEAST, MOST_MET, RAYS};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::warp::disk;
 use eyebox_estimate::ShouldStop;
@@ -14,7 +15,6 @@ use eyebox_world::interior::Interior;
 use eyebox_world::mode::Mono;
 use eyebox_world::optics::Optics;
 use glam::DVec2;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// What the fractional parts of multiples of the golden ratio are spread by.
@@ -66,10 +66,9 @@ fn each_met<T: Send>(
     take: impl Fn(&Walker<'_, Mono>, &Vertex, From) -> Option<T> + Sync,
 ) -> Vec<T> {
     let [width, height] = world.eye.size().map(|n| n as f64);
-    let ray = |k: u64| {
-        let mut found = Vec::new();
+    let ray = |k: u64, found: &mut Vec<T>| {
         if stop() {
-            return found;
+            return;
         }
         let mut rng = Rng::new(SEED, Stream::Pilot, 2, k);
         let place = [(k as f64 + 0.5) / RAYS as f64 * width, (k as f64 * GOLDEN).fract() * height];
@@ -83,9 +82,8 @@ fn each_met<T: Send>(
         follow(walker, &mut 0, &mut Ledger::new(world.solids.len()), &mut |walker, vertex| {
             found.extend(take(walker, vertex, from));
         });
-        found
     };
-    (0..RAYS).into_par_iter().flat_map_iter(ray).collect()
+    parallel::flat_map(RAYS, &ray)
 }
 
 fn follow(

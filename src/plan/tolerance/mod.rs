@@ -14,11 +14,11 @@ pub use apply::apply;
 pub use statistics::{Share, Statistics};
 
 use eyebox_base::error::Result;
+use eyebox_base::parallel;
 use eyebox_base::{Error, Where};
 use eyebox_scene::Scene;
 use figures::{Figure, Nominal};
 use parameter::Parameter;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tuning::tolerance::{FEWEST, MOST, MOST_NUMBERS};
 
@@ -106,8 +106,9 @@ pub fn tolerance(
         Some(found)
     };
     let draws: Vec<Vec<f64>> = (0..asked.draws).map(|draw| draw::draw(parameters, asked.seed, draw)).collect();
-    let drawn: Option<Vec<_>> = draws.par_iter().map(|values| look(values)).collect();
-    let single: Option<Vec<_>> = alone.par_iter().map(|node| look(&node.values(parameters.len()))).collect();
+    let drawn: Option<Vec<_>> = parallel::map_all(&draws, &|values| look(values)).into_iter().collect();
+    let single: Option<Vec<_>> =
+        parallel::map_all(&alone, &|node| look(&node.values(parameters.len()))).into_iter().collect();
     let (Some(drawn), Some(single)) = (drawn, single) else { return Ok(None) };
     let why = drawn.iter().chain(&single).find_map(|found| found.as_ref().err()).map(ToString::to_string);
     let [failed, failed_alone] = [&drawn, &single].map(|all| all.iter().filter(|found| found.is_err()).count());

@@ -4,12 +4,12 @@ use super::sight::{Known, Scout, Seen, Sight};
 use super::{OverSky, Shown};
 use crate::backward::tuning::over_sky::{BLOCK, FAINT, LEAST_PARTED, MOST_ALIKE, PASSES_LOOKED_AT, TOLERANCE};
 use crate::ownership::Ownership;
+use eyebox_base::parallel;
 use eyebox_base::path::{Event, Trail};
 use eyebox_world::World;
 use eyebox_world::mode::{Mode, wavelengths_change};
 use eyebox_world::optics::Optics;
 use glam::DVec2;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// What has been found in a block: (pixel, number of what is shown).
@@ -50,12 +50,12 @@ impl<M: Mode> OverSky<M> {
                 all.into_iter().map(|corner| Square { corner: *corner, side: 1 }).collect()
             }
         };
-        let in_square = |square: Square| {
+        let in_square = |square: &Square| {
             let mut found = Found { shown: Vec::new(), of: Vec::new() };
-            scout.part(square, &mut found);
+            scout.part(*square, &mut found);
             found
         };
-        let squares: Vec<Found<M>> = squares.into_par_iter().map(in_square).collect();
+        let squares: Vec<Found<M>> = parallel::map_all(&squares, &in_square);
         let (mut shown, mut of) = (Vec::new(), Vec::new());
         for own in squares {
             let before = shown.len();

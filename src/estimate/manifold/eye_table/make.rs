@@ -10,6 +10,7 @@ use crate::manifold::solver::bicubic::{SIDES, Spot};
 use crate::specular_event::Faint;
 use crate::walk::{Travel, Vertex, Walker};
 use eyebox_base::chain::{Chain, Link};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_world::World;
 use eyebox_world::geometry::Ray;
@@ -19,7 +20,6 @@ use eyebox_world::optics::Optics;
 use eyebox_world::stokes::Amount;
 use eyebox_world::surface::Surface;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Where a cell is tried, in radii of the pupil.
@@ -59,7 +59,7 @@ impl<M: Mode> EyeTable<M> {
             self.glances.extend(glance);
         }
         let cells: Vec<usize> = self.over.nodes.cells().collect();
-        let uses: Vec<(usize, Use)> = cells.par_iter().map(|cell| (*cell, self.use_of(tracing, *cell))).collect();
+        let uses: Vec<(usize, Use)> = parallel::map_all(&cells, &|cell| (*cell, self.use_of(tracing, *cell)));
         self.uses = vec![NONE; self.over.nodes.number()];
         for (cell, usage) in uses {
             self.uses[cell] = usage;
@@ -130,7 +130,7 @@ impl<M: Mode> EyeTable<M> {
             let landing = |one: &Option<(Walker<'_, M>, Vertex)>| one.as_ref().filter(|one| alike(one)).map(landing);
             (any, all.iter().map(landing).collect())
         };
-        let (lands, nodes): (Vec<bool>, Vec<_>) = (0..self.over.nodes.number()).into_par_iter().map(node).unzip();
+        let (lands, nodes): (Vec<bool>, Vec<_>) = parallel::map(self.over.nodes.number(), &node).into_iter().unzip();
         let Walker { trail, told, interior, events, .. } = walker;
         Some(Glance { chain, share, vertex, trail, told, interior, events, lands, landings: EyeHits::new(&nodes) })
     }

@@ -19,6 +19,7 @@ use super::solver::bicubic::Spot;
 use crate::manifold::film_grid::FilmGrid;
 use arrayvec::ArrayVec;
 use eyebox_base::lpe::LpeState;
+use eyebox_base::parallel;
 use eyebox_base::path::Trail;
 use eyebox_world::World;
 use eyebox_world::mode::{Mode, lanes, wavelengths_change};
@@ -28,7 +29,6 @@ use make::Maker;
 use masks::{Hidden, MASKS, Mask};
 use over_pixel::Crossed;
 pub(super) use over_pixel::{OverLamp, OverPixel};
-use rayon::prelude::*;
 
 /// The solution at a node, for the middle of the lamp.
 #[derive(Debug, Clone)]
@@ -94,7 +94,7 @@ impl<M: Mode> FilmTables<M> {
         }
         let mut tables = FilmTables { over, tables: Vec::new() };
         let maker = Maker { world, optics, connections };
-        let made: Vec<FilmTable<M>> = connections.entries.par_iter().map(|entry| maker.table(&tables, entry)).collect();
+        let made: Vec<FilmTable<M>> = parallel::map_all(&connections.entries, &|entry| maker.table(&tables, entry));
         tables.tables = made;
         Some(tables)
     }

@@ -9,6 +9,7 @@ use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
 use crate::manifold::solver::bicubic::Spot;
 use crate::manifold::solver::newton::Target;
 use arrayvec::ArrayVec;
+use eyebox_base::parallel;
 use eyebox_film::specular_chain::Screen;
 use eyebox_world::World;
 use eyebox_world::geometry::Site;
@@ -16,7 +17,6 @@ use eyebox_world::lamp::Lamp;
 use eyebox_world::mode::Mode;
 use eyebox_world::optics::Optics;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::VecDeque;
 
 /// What filling a face's table has come to.
@@ -55,23 +55,21 @@ impl<M: Mode> Connector<M> {
         let lamps = world.lamps.all().iter().enumerate();
         let lamps: Vec<(usize, &Lamp)> =
             lamps.filter(|(_, lamp)| lamp.group == screen.group && lamp.flux_lm > 0.0).collect();
-        let entries: Vec<(Entry<M>, bool)> = lamps
-            .par_iter()
-            .map(|(index, lamp)| {
-                let (centre, radius) = lamp.around();
-                let middle = Target::new(centre, lamp.sample_point([0.5, 0.5]).normal);
-                let mut entry = Entry { lamp: *index, middle, size: radius, sheets: Vec::new() };
-                let mut barren = Barren { sheets: Vec::new(), too_large: false };
-                // A lamp that the pilot found no path from starts with its neighbours' directions.
-                let own = screen.seeds.iter().filter(|seed| seed.lamp as usize == *index);
-                let rest = screen.seeds.iter().filter(|seed| seed.lamp as usize != *index);
-                for seed in own.chain(rest) {
-                    let [place, dir] = [seed.place, seed.dir].map(DVec3::from_array);
-                    lit.grow((world, optics), &mut entry, &mut barren, (place, dir));
-                }
-                (entry, barren.too_large)
-            })
-            .collect();
+        let of_lamp = |(index, lamp): &(usize, &Lamp)| {
+            let (centre, radius) = lamp.around();
+            let middle = Target::new(centre, lamp.sample_point([0.5, 0.5]).normal);
+            let mut entry = Entry { lamp: *index, middle, size: radius, sheets: Vec::new() };
+            let mut barren = Barren { sheets: Vec::new(), too_large: false };
+            // A lamp that the pilot found no path from starts with its neighbours' directions.
+            let own = screen.seeds.iter().filter(|seed| seed.lamp as usize == *index);
+            let rest = screen.seeds.iter().filter(|seed| seed.lamp as usize != *index);
+            for seed in own.chain(rest) {
+                let [place, dir] = [seed.place, seed.dir].map(DVec3::from_array);
+                lit.grow((world, optics), &mut entry, &mut barren, (place, dir));
+            }
+            (entry, barren.too_large)
+        };
+        let entries: Vec<(Entry<M>, bool)> = parallel::map_all(&lamps, &of_lamp);
         let too_large = entries.iter().any(|(_, too_large)| *too_large);
         lit.entries = entries.into_iter().map(|(entry, _)| entry).filter(|entry| !entry.sheets.is_empty()).collect();
         match (lit.entries.is_empty(), too_large) {

@@ -4,11 +4,11 @@
 use super::connections::{Connections, index_of};
 use super::tuning::bands::BANDS;
 use eyebox_base::colour::hero;
+use eyebox_base::parallel;
 use eyebox_film::specular_chain::Connection;
 use eyebox_world::World;
 use eyebox_world::mode::{Mode, wavelengths_change};
 use eyebox_world::optics::Optics;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The connections of a plan, by the wavelength that decides where paths go.
@@ -45,7 +45,7 @@ impl Bands {
             let up_to = if last { f64::INFINITY } else { at((band + 1) as f64 / BANDS as f64) };
             (up_to, Arc::new(Connections::new(world, &index, connections)))
         };
-        Bands { sets: (0..BANDS).into_par_iter().map(set).collect() }
+        Bands { sets: parallel::map(BANDS, &set) }
     }
 
     /// Those for the wavelengths of a pass.

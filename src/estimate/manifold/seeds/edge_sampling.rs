@@ -4,10 +4,10 @@
 
 use super::connections::Connections;
 use super::tuning::edge_sampling::{DARK, MOST, UNSURE, USUAL};
+use eyebox_base::parallel;
 use eyebox_world::World;
 use eyebox_world::eye::EyeLens;
 use glam::DVec2;
-use rayon::prelude::*;
 
 /// How often each pixel is joined.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl EdgeSampling {
             let times = |half: DVec2| Sums::new(connections, eye, film, half).times();
             if at_rim[grid.cell(film)] { times(half).max(times(beside)).round() as u8 } else { 1 }
         };
-        EdgeSampling { times: (0..width * height).into_par_iter().map(of_pixel).collect() }
+        EdgeSampling { times: parallel::map(width * height, &of_pixel) }
     }
 
     /// How often a pixel, by its row-major index, is joined in a pass.

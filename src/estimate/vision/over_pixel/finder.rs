@@ -6,12 +6,12 @@ use crate::ledger::Ledger;
 use crate::ownership::Ownership;
 use crate::pixel::Pixel;
 use crate::tuning::over_pixel::{BLOCK, RIGHT, TRIALS, WORTH};
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_film::accumulate::Light;
 use eyebox_world::mode::{Mode, components};
 use eyebox_world::optics::Optics;
 use glam::DVec2;
-use rayon::prelude::*;
 
 /// The footprints of those pixels.
 pub(in crate::vision) struct PixelFootprints<M: Mode>(
@@ -42,7 +42,7 @@ impl<M: Mode> PixelFootprints<M> {
             let known = finders.iter().map(|finder| finder.block([k % across * BLOCK, k / across * BLOCK]));
             known.reduce(Known::or).unwrap_or(Known::Dark)
         };
-        let blocks: Vec<Known> = (0..across * down).into_par_iter().map(block).collect();
+        let blocks: Vec<Known> = parallel::map(across * down, &block);
         let is_near = |[x, y]: [usize; 2]| {
             let [x, y] = [x / BLOCK, y / BLOCK];
             let near = (y.saturating_sub(1)..(y + 2).min(down))
@@ -62,7 +62,7 @@ impl<M: Mode> PixelFootprints<M> {
             let mut found = finders.iter().map(|finder| finder.best(Pixel::new((at[0], at[1]), width, 0)));
             found.find(|all| !all.is_empty()).unwrap_or_default().into()
         };
-        PixelFootprints((0..width * height).into_par_iter().map(of_pixel).collect())
+        PixelFootprints(parallel::map(width * height, &of_pixel))
     }
 
     /// Those of a pixel.

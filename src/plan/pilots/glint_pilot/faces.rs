@@ -10,6 +10,7 @@ use crate::pilots::tuning::glint_pilot::{
 };
 use eyebox_base::chain::Chain;
 use eyebox_base::lattice::lattice;
+use eyebox_base::parallel;
 use eyebox_base::rng::{Rng, Stream};
 use eyebox_base::warp::{disk, triangle};
 use eyebox_estimate::ShouldStop;
@@ -27,7 +28,6 @@ use eyebox_world::mode::{Mode, Mono};
 use eyebox_world::optics::Optics;
 use eyebox_world::surface::Surface;
 use glam::{DMat2, DVec2, DVec3};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A ray that goes on towards a lamp.
@@ -65,19 +65,19 @@ pub fn find_by_way(
     let Found { mut ways, met, .. } = look((world, scene, &optics), search, (shift, apart), stop);
     nearest_ways(&mut ways, MOST_WAYS);
     let all: Vec<(Way, Vec<Miss>)> = ways.into_iter().collect();
-    let solved = |(way, misses): (Way, Vec<Miss>)| {
-        let mut images = images((world, &optics), &way, &nearest(&misses, apart), wide, stop);
+    let solved = |(way, misses): &(Way, Vec<Miss>)| {
+        let mut images = images((world, &optics), way, &nearest(misses, apart), wide, stop);
         // A small mirror shows but a part of a lamp, and perhaps not its middle.
-        let beside: Vec<Seen> = met.get(&way).map_or_else(Vec::new, |rays| {
+        let beside: Vec<Seen> = met.get(way).map_or_else(Vec::new, |rays| {
             rays.iter().filter(|ray| !images.iter().any(|image| image.holds(ray.film, ray.pupil))).copied().collect()
         });
         images.extend(
-            around(world, &beside, apart).and_then(|guess| settle((world, &optics), &way, guess, Moves::Unknown)),
+            around(world, &beside, apart).and_then(|guess| settle((world, &optics), way, guess, Moves::Unknown)),
         );
         let glints = images.iter().flat_map(|image| pieces(world, image)).collect::<Vec<Glint>>();
-        (way, glints)
+        (way.clone(), glints)
     };
-    all.into_par_iter().map(solved).filter(|(_, glints)| !glints.is_empty()).collect()
+    parallel::map_all(&all, &solved).into_iter().filter(|(_, glints)| !glints.is_empty()).collect()
 }
 
 /// What rays have found.
@@ -152,7 +152,7 @@ impl Looking<'_> {
             if (self.stop)() {
                 break;
             }
-            let looked: Vec<Looked> = rays.par_iter().map(|ray| self.trace(wants, *ray)).collect();
+            let looked: Vec<Looked> = parallel::map_all(&rays, &|ray| self.trace(wants, *ray));
             for ((k, start), looked) in rays.iter().zip(looked) {
                 met.extend(looked.met_specular.then_some(*k));
                 found.add(*start, looked);

@@ -6,6 +6,7 @@ use super::{Wants, Way};
 use crate::pilots::tuning::glint_pilot::{ENOUGH, FIRST, JOINED, MOST_JOINED, MOST_TRIANGLES, ROUNDED};
 use eyebox_base::chain::Chain;
 use eyebox_base::lattice::lattice;
+use eyebox_base::parallel;
 use eyebox_base::warp::{BELOW_ONE, disk};
 use eyebox_estimate::ShouldStop;
 use eyebox_film::glint::Glint;
@@ -15,7 +16,6 @@ use eyebox_world::lamp::Lamp;
 use eyebox_world::mode::Mono;
 use eyebox_world::optics::Optics;
 use glam::{DMat2, DVec2, DVec3};
-use rayon::prelude::*;
 
 /// What joining a lamp with the pupil has shown.
 #[derive(Default)]
@@ -35,7 +35,7 @@ pub(super) fn find(
 ) -> (Vec<(Way, Vec<Glint>)>, Option<Hidden>) {
     let wanted: Vec<usize> = (0..tracing.0.lamps.all().len()).filter(|lamp| wants(*lamp)).collect();
     let most = (JOINED / wanted.len().max(1) as u64).clamp(FIRST, MOST_JOINED);
-    let of_lamp = |lamp: usize| {
+    let of_lamp = |&lamp: &usize| {
         let way = (Chain::default(), lamp);
         let Some(joined) = joined(tracing, &way, most, stop) else { return (None, None) };
         match glint_of(tracing, &way, &joined) {
@@ -43,7 +43,7 @@ pub(super) fn find(
             None => (None, hidden(tracing.0, &tracing.0.lamps.all()[lamp], &joined)),
         }
     };
-    let all: Vec<_> = wanted.into_par_iter().map(of_lamp).collect();
+    let all: Vec<_> = parallel::map_all(&wanted, &of_lamp);
     let hidden = all.iter().filter_map(|(_, hidden)| *hidden).reduce(Hidden::or);
     (all.into_iter().filter_map(|(found, _)| found).collect(), hidden)
 }
