@@ -152,7 +152,7 @@ impl Looking<'_> {
             if (self.stop)() {
                 break;
             }
-            let looked: Vec<Looked> = parallel::map_all(&rays, &|ray| self.trace(wants, *ray));
+            let looked: Vec<Looked> = parallel::map_all(rays, &|ray| self.trace(wants, *ray));
             for ((k, start), looked) in rays.iter().zip(looked) {
                 met.extend(looked.met_specular.then_some(*k));
                 found.add(*start, looked);
